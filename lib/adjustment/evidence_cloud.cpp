@@ -1,5 +1,6 @@
 #include "adjustment/evidence_cloud.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -214,15 +215,8 @@ Vec3 solve_offset(const std::vector<CloudMatch>& matches) {
         right += w * m.shift_m[axis] * row;
       }
     }
-    // 3 x 3, positive definite: Cramer by the adjugate.
-    const Vec3 a = normal.row(0), b = normal.row(1), c = normal.row(2);
-    const double det = a.dot(b.cross(c));
-    if (!(std::abs(det) > 0.0)) return offset;
-    Eigen::Matrix3d inverse;
-    inverse.col(0) = b.cross(c) / det;
-    inverse.col(1) = c.cross(a) / det;
-    inverse.col(2) = a.cross(b) / det;
-    offset = inverse * right;
+    offset = normal.ldlt().solve(right);
+    if (!offset.allFinite()) return Vec3::Zero();
   }
   return offset;
 }

@@ -19,6 +19,7 @@ using geometry::Vec3;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kExplainedRatio = 0.1;     // after / before below which a hypothesis explains coarse points
+constexpr double kClearlyBetter = 0.5;      // after / before for a frame that is within the limit as it is
 constexpr double kLargestExplained = 50.0;  // px: above this nothing is explained, whatever the ratio
 
 struct Seen {
@@ -88,14 +89,18 @@ FrameReprojection reprojection(const survey::Frame& frame, const survey::Camera&
 struct Candidate {
   TieVerdict verdict;
   int parts = 1;
+  std::size_t bad = 0;                        // frames explained that were beyond the limit
   std::vector<double> before, after, scales;  // of verdict.frames
 };
 
-struct BadFrame {
-  const survey::Frame* frame;
-  const survey::Camera* camera;
+struct JudgedFrame {
+  const survey::Frame* frame = nullptr;
+  const survey::Camera* camera = nullptr;
   std::vector<Seen> seen;
-  double before_px;
+  double before_px = 0.0;
+  // Within the limit as declared: explains nothing by itself, but shares the convention of the others
+  // where a hypothesis makes it clearly better too.
+  bool sound = false;
 };
 
 bool explains(double before, double after, double max_median) {
@@ -103,14 +108,14 @@ bool explains(double before, double after, double max_median) {
 }
 
 // Observations made on an image of another size: observed = scale * projected, from the corner.
-std::optional<double> other_scale(const BadFrame& bad) {
+std::optional<double> other_scale(const JudgedFrame& judged) {
   constexpr double kLeastCoordinate = 0.1;  // of the image's size: ratios of smaller numbers are all noise
   constexpr double kLeastChange = 0.005;
-  const double least_x = kLeastCoordinate * static_cast<double>(bad.camera->width_px);
-  const double least_y = kLeastCoordinate * static_cast<double>(bad.camera->height_px);
+  const double least_x = kLeastCoordinate * static_cast<double>(judged.camera->width_px);
+  const double least_y = kLeastCoordinate * static_cast<double>(judged.camera->height_px);
   std::vector<double> ratios;
-  for (const auto& s : bad.seen) {
-    const auto pixel = camera::project_world(*bad.camera, bad.frame->T_world_camera, s.p_world);
+  for (const auto& s : judged.seen) {
+    const auto pixel = camera::project_world(*judged.camera, judged.frame->T_world_camera, s.p_world);
     if (!pixel) continue;
     if (pixel->x() > least_x) ratios.push_back(s.pixel.x() / pixel->x());
     if (pixel->y() > least_y) ratios.push_back(s.pixel.y() / pixel->y());
@@ -121,24 +126,25 @@ std::optional<double> other_scale(const BadFrame& bad) {
   return scale;
 }
 
-void add_explained(Candidate& candidate, const BadFrame& bad, double after, double scale = 1.0) {
-  candidate.verdict.frames.push_back(bad.frame->id);
-  candidate.before.push_back(bad.before_px);
+void add_explained(Candidate& candidate, const JudgedFrame& judged, double after, double scale = 1.0) {
+  candidate.verdict.frames.push_back(judged.frame->id);
+  if (!judged.sound) ++candidate.bad;
+  candidate.before.push_back(judged.before_px);
   candidate.after.push_back(after);
   candidate.scales.push_back(scale);
 }
 
 // Images of another size; one candidate a scale (to a hundredth).
-std::vector<Candidate> scale_candidates(const std::vector<BadFrame>& bad_frames, double max_median) {
+std::vector<Candidate> scale_candidates(const std::vector<JudgedFrame>& frames, double max_median) {
   std::map<std::string, Candidate> by_scale;
-  for (const auto& bad : bad_frames) {
-    const auto scale = other_scale(bad);
+  for (const auto& judged : frames) {
+    const auto scale = judged.sound ? std::nullopt : other_scale(judged);
     if (!scale) continue;
-    auto rescaled = bad.seen;
+    auto rescaled = judged.seen;
     for (auto& s : rescaled) s.pixel /= *scale;
-    const double after = median(errors(*bad.camera, bad.frame->T_world_camera, rescaled));
-    if (explains(bad.before_px, after, max_median))
-      add_explained(by_scale[base::to_fixed(*scale, 2)], bad, after, *scale);
+    const double after = median(errors(*judged.camera, judged.frame->T_world_camera, rescaled));
+    if (explains(judged.before_px, after, max_median))
+      add_explained(by_scale[base::to_fixed(*scale, 2)], judged, after, *scale);
   }
   std::vector<Candidate> candidates;
   for (auto& [key, candidate] : by_scale) {
@@ -155,21 +161,22 @@ std::vector<Candidate> scale_candidates(const std::vector<BadFrame>& bad_frames,
   return candidates;
 }
 
-Candidate pose_candidate(const PoseHypothesis& hypothesis, const std::vector<BadFrame>& bad_frames, double max_median) {
+Candidate pose_candidate(const PoseHypothesis& hypothesis, const std::vector<JudgedFrame>& frames, double max_median) {
   Candidate candidate;
   candidate.parts = hypothesis.parts();
   candidate.verdict.code = hypothesis.code();
   candidate.verdict.meaning = hypothesis.meaning();
   candidate.verdict.remedy = hypothesis.remedy();
-  for (const auto& bad : bad_frames) {
-    const auto pose = hypothesis.apply(bad.frame->T_world_camera);
-    double after = median(errors(*bad.camera, pose, bad.seen));
+  for (const auto& judged : frames) {
+    const auto pose = hypothesis.apply(judged.frame->T_world_camera);
+    double after = median(errors(*judged.camera, pose, judged.seen));
     if (hypothesis.turned_deg % 180 != 0) {
       // A raster turned by 90 degrees has its centre at (height/2, width/2).
-      const double half_difference = 0.5 * static_cast<double>(bad.camera->width_px - bad.camera->height_px);
-      after = std::min(after, median(errors(*bad.camera, pose, bad.seen, {half_difference, -half_difference})));
+      const double half_difference = 0.5 * static_cast<double>(judged.camera->width_px - judged.camera->height_px);
+      after = std::min(after, median(errors(*judged.camera, pose, judged.seen, {half_difference, -half_difference})));
     }
-    if (explains(bad.before_px, after, max_median)) add_explained(candidate, bad, after);
+    if (judged.sound ? after < kClearlyBetter * judged.before_px : explains(judged.before_px, after, max_median))
+      add_explained(candidate, judged, after);
   }
   return candidate;
 }
@@ -177,27 +184,29 @@ Candidate pose_candidate(const PoseHypothesis& hypothesis, const std::vector<Bad
 // Fewest verdicts: the candidate that explains most frames first (ties: fewer parts, smaller error), then
 // again with what is left. Near-nadir poses make several readings fit single frames by chance; the one
 // mistake that was made fits all.
-void cover(std::vector<BadFrame> bad_frames, double max_median, TieEvidence& evidence) {
-  while (!bad_frames.empty()) {
-    std::vector<Candidate> candidates = scale_candidates(bad_frames, max_median);
+void cover(std::vector<JudgedFrame> frames, double max_median, TieEvidence& evidence) {
+  const auto is_bad = [](const JudgedFrame& frame) { return !frame.sound; };
+  while (std::any_of(frames.begin(), frames.end(), is_bad)) {
+    std::vector<Candidate> candidates = scale_candidates(frames, max_median);
     for (const auto& hypothesis : pose_hypotheses())
-      if (hypothesis.parts() > 0) candidates.push_back(pose_candidate(hypothesis, bad_frames, max_median));
+      if (hypothesis.parts() > 0) candidates.push_back(pose_candidate(hypothesis, frames, max_median));
     const auto better = [](const Candidate& a, const Candidate& b) {
-      if (a.before.size() != b.before.size()) return a.before.size() > b.before.size();
+      if (a.bad != b.bad) return a.bad > b.bad;
       if (a.parts != b.parts) return a.parts < b.parts;
       return median(a.after) < median(b.after);
     };
     auto& best = *std::min_element(candidates.begin(), candidates.end(), better);
-    if (best.before.empty()) break;
+    if (best.bad == 0) break;
     best.verdict.before_px = median(best.before);
     best.verdict.after_px = median(best.after);
     const auto& explained = best.verdict.frames;
-    std::erase_if(bad_frames, [&](const BadFrame& bad) {
-      return std::find(explained.begin(), explained.end(), bad.frame->id) != explained.end();
+    std::erase_if(frames, [&](const JudgedFrame& judged) {
+      return std::find(explained.begin(), explained.end(), judged.frame->id) != explained.end();
     });
     evidence.verdicts.push_back(std::move(best.verdict));
   }
-  for (const auto& bad : bad_frames) evidence.unexplained.push_back(bad.frame->id);
+  for (const auto& judged : frames)
+    if (!judged.sound) evidence.unexplained.push_back(judged.frame->id);
 }
 
 // A shift of half a pixel in both axes, the same in (nearly) all frames.
@@ -244,7 +253,7 @@ TieEvidence tie_evidence(const survey::Survey& survey, const TieEvidenceOptions&
   evidence.points = survey.ties.size();
   const auto seen_by_frame = collect(survey);
   std::vector<double> all;
-  std::vector<BadFrame> bad_frames;
+  std::vector<JudgedFrame> frames;
   for (const auto& frame : survey.frames) {
     const auto it = seen_by_frame.find(frame.id);
     const auto* camera = survey.camera(frame.camera);
@@ -256,11 +265,11 @@ TieEvidence tie_evidence(const survey::Survey& survey, const TieEvidenceOptions&
     evidence.frames.push_back(
         reprojection(frame, *camera, seen, static_cast<std::size_t>(options.min_observations), all));
     const auto& figures = evidence.frames.back();
-    if (!figures.judged || figures.median_px <= options.max_median_px) continue;
-    bad_frames.push_back(
-        {&frame, camera, thinned(seen, static_cast<std::size_t>(options.max_observations)), figures.median_px});
+    if (!figures.judged) continue;
+    frames.push_back({&frame, camera, thinned(seen, static_cast<std::size_t>(options.max_observations)),
+                      figures.median_px, figures.median_px <= options.max_median_px});
   }
-  cover(std::move(bad_frames), options.max_median_px, evidence);
+  cover(std::move(frames), options.max_median_px, evidence);
   evidence.median_px = median(std::move(all));
   if (auto verdict = half_pixel(evidence, options)) {
     std::vector<double> after;

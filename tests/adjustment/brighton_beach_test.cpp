@@ -4,11 +4,11 @@
 #include <GeographicLib/UTMUPS.hpp>
 #include <chrono>
 #include <iostream>
-#include <opencv2/imgcodecs.hpp>
 
 #include "adjustment/evidence_cloud.hpp"
 #include "adjustment/evidence_pairs.hpp"
 #include "adjustment/evidence_ties.hpp"
+#include "io/image.hpp"
 #include "support/brighton_beach.hpp"
 
 namespace cairn::adjustment {
@@ -25,11 +25,7 @@ const std::vector<GreyImage>& images() {
     std::vector<GreyImage> result;
     for (int number = 18; number <= 35; ++number) {
       const auto path = testing::sample("brighton_beach/images_1600/DJI_00" + std::to_string(number) + ".JPG");
-      const cv::Mat pixels = cv::imread(path.string(), cv::IMREAD_GRAYSCALE | cv::IMREAD_IGNORE_ORIENTATION);
-      GreyImage image{static_cast<std::size_t>(pixels.cols), static_cast<std::size_t>(pixels.rows), {}};
-      for (int r = 0; r < pixels.rows; ++r)
-        image.values.insert(image.values.end(), pixels.ptr(r), pixels.ptr(r) + pixels.cols);
-      result.push_back(std::move(image));
+      result.push_back(io::read_grey_image(path));
     }
     return result;
   }();
