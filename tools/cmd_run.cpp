@@ -12,7 +12,9 @@
 namespace cairn::tools {
 namespace {
 
-std::string mebibytes(std::uint64_t bytes) { return std::to_string((bytes + (1U << 20) - 1) >> 20) + " MiB"; }
+std::string mebibytes(std::uint64_t bytes) {
+  return std::to_string((bytes + (1U << 20) - 1) >> 20) + " MiB";
+}
 
 class RunCommand final : public Command {
  public:

@@ -36,7 +36,9 @@ void refuse_far_cloud(const geometry::PointCloud& cloud, const fs::path& path, c
 
 }  // namespace
 
-bool has_cloud(const survey::Survey& survey) { return survey.source("cloud") != nullptr; }
+bool has_cloud(const survey::Survey& survey) {
+  return survey.source("cloud") != nullptr;
+}
 
 SurveyCloud load_cloud(const fs::path& survey_folder, const survey::Survey& survey, base::RunContext& ctx) {
   const survey::Source* source = survey.source("cloud");

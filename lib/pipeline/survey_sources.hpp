@@ -14,7 +14,7 @@ namespace cairn::pipeline {
 struct SurveyCloud {
   geometry::PointCloud cloud;  // local ENU of the survey, in the poses' frame, m
   std::filesystem::path path;
-  std::string operation;       // how PROJ converted it, for run.json; "" where it was local already
+  std::string operation;  // how PROJ converted it, for run.json; "" where it was local already
 };
 
 // The survey's cloud in the poses' frame: CRS -> local ENU, then T_world_source where one is declared.
