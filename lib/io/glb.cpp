@@ -1,5 +1,6 @@
 #include "io/glb.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

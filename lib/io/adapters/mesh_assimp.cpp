@@ -1,3 +1,4 @@
+#include <Eigen/LU>
 #include <assimp/config.h>
 #include <assimp/mesh.h>
 #include <assimp/postprocess.h>
