@@ -17,6 +17,8 @@ using geometry::Triangle;
 using geometry::Vec2;
 using geometry::Vec3;
 
+constexpr const char* kGiven = "given";
+
 base::Reject reject(const char* reason, std::string message) {
   return {"", reason, std::move(message)};
 }
@@ -107,11 +109,15 @@ std::variant<RockBody, base::Reject> finish(FlaggedMesh flagged, RockBody body) 
                                             std::to_string(quality.topology.non_manifold_edges) +
                                             " non-manifold edges; none allowed");
   quality.self_intersecting = self_intersects(body.mesh);
-  if (quality.self_intersecting) return reject("self_intersecting", "the surface passes through itself");
+  if (quality.self_intersecting) {
+    // Our own surfaces must not; a published mesh may brush itself and its signed sums still hold.
+    if (body.method != kGiven) return reject("self_intersecting", "the surface passes through itself");
+    body.notes.emplace_back("self_intersecting");
+  }
   if (quality.topology.components != 1)
     return reject("several_pieces", std::to_string(quality.topology.components) + " separate shells; 1 allowed");
   if (!(body.mass.volume > 0.0)) return reject("flat_points", "the closed surface holds no volume");
-  quality.watertight = true;
+  quality.watertight = !quality.self_intersecting;
   double seen = 0.0;
   for (std::size_t t = 0; t < body.mesh.triangles.size(); ++t)
     if (body.seen[t] != 0) seen += body.mesh.area_vector(t).norm();
@@ -157,7 +163,7 @@ std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh)
   flagged.mesh = geometry::weld(mesh);
   if (flagged.mesh.triangles.empty()) return reject("flat_points", "the mesh has no triangle with area");
   RockBody body;
-  body.method = "given";
+  body.method = kGiven;
   body.cap = survey::CapModel::none;
   if (geometry::mass_properties(flagged.mesh).volume < 0.0) {
     flagged.mesh = geometry::flipped(flagged.mesh);

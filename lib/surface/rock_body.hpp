@@ -53,7 +53,7 @@ struct RockBody {
   BodyQuality quality;
   geometry::MassProperties mass;   // unit density
   double hull_volume = 0.0;        // m^3, convex hull of the mesh: upper bound
-  std::vector<std::string> notes;  // codes: offset_kept, turned_outwards
+  std::vector<std::string> notes;  // codes: offset_kept, turned_outwards, self_intersecting
 };
 
 // Rejects (record left to the caller): too_few_points, flat_points (no area in plan or no volume), surface_not_closed,
@@ -61,7 +61,8 @@ struct RockBody {
 [[nodiscard]] std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options);
 
 // Quality, mass and hull of a mesh that is there already (welded, turned outwards where its volume is
-// negative). Everything counts as seen.
+// negative). Everything counts as seen. One that passes through itself is kept, with the note
+// self_intersecting and watertight = false: its mass properties are those of the signed sums.
 [[nodiscard]] std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh);
 
 }  // namespace cairn::surface
