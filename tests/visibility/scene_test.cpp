@@ -107,23 +107,25 @@ TEST(Scene, BlocksTheSameSegmentsAsBruteForce) {
 TEST(Scene, BatchingChangesNothing) {
   const TriangleMesh mesh =
       testing::joined(testing::triangle_soup(2000, 10.0, 1.0, Vec3::Zero(), 5), testing::sphere(Vec3::Zero(), 3.0, 40));
-  const Scene scene(mesh);
-  auto rays = random_rays(5000, 7.0, Vec3::Zero(), 6);
-  // Rays at vertices and along edges: ties between neighbours.
-  for (std::size_t v = 6000; v < mesh.vertices.size(); v += 3)
-    rays.push_back({Vec3(0.1, 0.2, 6.5), (mesh.vertices[v] - Vec3(0.1, 0.2, 6.5)).normalized()});
-  std::vector<Segment> segments;
-  for (const Ray& ray : rays) segments.push_back({ray.origin, ray.origin + 6.0 * ray.direction});
-  const auto hits = scene.cast(rays);
-  const auto blocked = scene.blocked(segments);
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    const auto one = scene.cast(std::span(&rays[i], 1));
-    ASSERT_EQ(one[0].triangle, hits[i].triangle) << i;
-    ASSERT_EQ(one[0].distance, hits[i].distance) << i;
-    ASSERT_EQ(scene.blocked(std::span(&segments[i], 1))[0], blocked[i]) << i;
-    std::uint8_t from = 9;
-    scene.blocked_from(segments[i].from, std::span(&segments[i].to, 1), std::span(&from, 1));
-    ASSERT_EQ(from, blocked[i]) << i;
+  for (const Tracing tracing : {Tracing::watertight, Tracing::fast}) {
+    const Scene scene(mesh, tracing);
+    auto rays = random_rays(5000, 7.0, Vec3::Zero(), 6);
+    // Rays at vertices and along edges: ties between neighbours.
+    for (std::size_t v = 6000; v < mesh.vertices.size(); v += 3)
+      rays.push_back({Vec3(0.1, 0.2, 6.5), (mesh.vertices[v] - Vec3(0.1, 0.2, 6.5)).normalized()});
+    std::vector<Segment> segments;
+    for (const Ray& ray : rays) segments.push_back({ray.origin, ray.origin + 6.0 * ray.direction});
+    const auto hits = scene.cast(rays);
+    const auto blocked = scene.blocked(segments);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      const auto one = scene.cast(std::span(&rays[i], 1));
+      ASSERT_EQ(one[0].triangle, hits[i].triangle) << i;
+      ASSERT_EQ(one[0].distance, hits[i].distance) << i;
+      ASSERT_EQ(scene.blocked(std::span(&segments[i], 1))[0], blocked[i]) << i;
+      std::uint8_t from = 9;
+      scene.blocked_from(segments[i].from, std::span(&segments[i].to, 1), std::span(&from, 1));
+      ASSERT_EQ(from, blocked[i]) << i;
+    }
   }
 }
 

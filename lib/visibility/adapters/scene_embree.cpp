@@ -141,7 +141,7 @@ struct Scene::Impl {
   std::vector<std::uint32_t> triangle_of;  // primitive -> triangle of the mesh; empty where they are the same
   std::size_t skipped = 0;
 
-  explicit Impl(const TriangleMesh& mesh);
+  Impl(const TriangleMesh& mesh, Tracing tracing);
 
   [[nodiscard]] std::uint32_t triangle(unsigned primitive) const {
     return triangle_of.empty() ? primitive : triangle_of[primitive];
@@ -157,7 +157,7 @@ struct Scene::Impl {
   }
 };
 
-Scene::Impl::Impl(const TriangleMesh& mesh) {
+Scene::Impl::Impl(const TriangleMesh& mesh, Tracing tracing) {
   std::vector<std::uint32_t> kept;
   kept.reserve(mesh.triangles.size());
   Box3 bounds;
@@ -175,8 +175,8 @@ Scene::Impl::Impl(const TriangleMesh& mesh) {
   rtcSetDeviceErrorFunction(device.get(), &ErrorSlot::receive, &errors);
   scene.reset(rtcNewScene(device.get()));
   rtcSetSceneBuildQuality(scene.get(), RTC_BUILD_QUALITY_MEDIUM);
-  rtcSetSceneFlags(scene.get(),
-                   static_cast<RTCSceneFlags>(RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
+  const auto robust = tracing == Tracing::watertight ? RTC_SCENE_FLAG_ROBUST : RTC_SCENE_FLAG_NONE;
+  rtcSetSceneFlags(scene.get(), static_cast<RTCSceneFlags>(robust | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION));
   if (!kept.empty()) {
     const Geometry geometry(rtcNewGeometry(device.get(), RTC_GEOMETRY_TYPE_TRIANGLE));
     rtcSetGeometryBuildQuality(geometry.get(), RTC_BUILD_QUALITY_MEDIUM);
@@ -200,7 +200,7 @@ Scene::Impl::Impl(const TriangleMesh& mesh) {
   if (skipped > 0) triangle_of = std::move(kept);
 }
 
-Scene::Scene(const TriangleMesh& mesh) : impl_(std::make_unique<Impl>(mesh)) {}
+Scene::Scene(const TriangleMesh& mesh, Tracing tracing) : impl_(std::make_unique<Impl>(mesh, tracing)) {}
 Scene::~Scene() = default;
 Scene::Scene(Scene&&) noexcept = default;
 Scene& Scene::operator=(Scene&&) noexcept = default;
