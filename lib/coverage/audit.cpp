@@ -29,8 +29,8 @@ Verdict judge(const FacetCoverage& m, std::size_t i, const GateOptions& gates) {
 }  // namespace
 
 std::string_view name_of(Verdict verdict) {
-  constexpr std::array<std::string_view, kVerdicts> kNames = {
-      "passed", "no_data", "out_of_frame", "occluded", "too_oblique", "too_coarse", "low_parallax"};
+  constexpr std::array<std::string_view, kVerdicts> kNames = {"passed",      "no_data",    "out_of_frame", "occluded",
+                                                              "too_oblique", "too_coarse", "low_parallax"};
   return kNames[static_cast<std::size_t>(verdict)];
 }
 

@@ -134,9 +134,8 @@ std::vector<survey::CoverageGap> find_gaps(const TriangleMesh& mesh, const std::
     if (area < options.min_area_m2 || !(area > 0.0)) continue;
     gaps.push_back(describe(mesh, facets, verdicts[facets.front()], views, options));
   }
-  std::stable_sort(gaps.begin(), gaps.end(), [](const survey::CoverageGap& a, const survey::CoverageGap& b) {
-    return a.area_m2 > b.area_m2;
-  });
+  std::stable_sort(gaps.begin(), gaps.end(),
+                   [](const survey::CoverageGap& a, const survey::CoverageGap& b) { return a.area_m2 > b.area_m2; });
   for (std::size_t i = 0; i < gaps.size(); ++i) gaps[i].id = survey::GapId(static_cast<std::int64_t>(i));
   return gaps;
 }

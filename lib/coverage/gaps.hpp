@@ -12,8 +12,8 @@
 namespace cairn::coverage {
 
 struct GapOptions {
-  double min_area_m2 = 1.0;        // smaller patches are left out of the list (not of the completeness)
-  std::int64_t nearest_frames = 3; // named with each gap
+  double min_area_m2 = 1.0;         // smaller patches are left out of the list (not of the completeness)
+  std::int64_t nearest_frames = 3;  // named with each gap
 
   void visit(base::OptionVisitor& v) {
     v.real("min-gap-area-m2", min_area_m2, 0.0, 1e9, "surface area below which a gap is not listed, m^2");

@@ -94,9 +94,8 @@ std::vector<Ring> patch_outline(const geometry::TriangleMesh& mesh, std::span<co
     ring = without_straight_vertices(ring);
     if (closed && ring.size() >= 3 && geometry::signed_area(ring) != 0.0) rings.push_back(std::move(ring));
   }
-  std::stable_sort(rings.begin(), rings.end(), [](const Ring& a, const Ring& b) {
-    return geometry::signed_area(a) > geometry::signed_area(b);
-  });
+  std::stable_sort(rings.begin(), rings.end(),
+                   [](const Ring& a, const Ring& b) { return geometry::signed_area(a) > geometry::signed_area(b); });
   return rings;
 }
 
