@@ -287,6 +287,16 @@ ExecuteReport execute(const Recipe& recipe, const StageFactory& factory, const s
   std::vector<Record> records;
   StageInputs in{options.survey, options.out, {}};
   bool claimed = false;
+  // run.json vouches for the whole: it goes before anything changes and comes back last.
+  const auto claim = [&] {
+    std::error_code code;
+    fs::remove(run_json, code);
+    remove_other_stages(options.out, plan);
+    base::write_file_atomic(options.out / kStateFolder / "job.json",
+                            Json::object({{"job", plan.job_key}}).dump() + "\n");
+    claimed = true;
+  };
+  if (!options.dry_run && job_in(options.out) != plan.job_key) claim();
   for (auto& stage : plan.stages) {
     ctx.check_stop();
     const std::string name(stage->name());
@@ -299,15 +309,7 @@ ExecuteReport execute(const Recipe& recipe, const StageFactory& factory, const s
         line.state = "would run";
         record = {};
       } else {
-        if (!claimed) {
-          // run.json vouches for the whole: it goes first and comes back last.
-          std::error_code code;
-          fs::remove(run_json, code);
-          remove_other_stages(options.out, plan);
-          base::write_file_atomic(options.out / kStateFolder / "job.json",
-                                  Json::object({{"job", plan.job_key}}).dump() + "\n");
-          claimed = true;
-        }
+        if (!claimed) claim();
         ctx.info(name);
         const auto stage_start = Clock::now();
         record = run_stage(*stage, in, key, options.out, record, ctx);
