@@ -1,5 +1,6 @@
 #include "report/html_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 
@@ -86,6 +87,17 @@ std::string script_safe(std::string_view json) {
     }
   }
   return out;
+}
+
+Html& Html::symbol(std::string_view words) {
+  const std::size_t mark = words.find('_');
+  if (mark == std::string_view::npos) return text(words);
+  const std::size_t end = std::min(words.find(' ', mark), words.size());
+  return text(words.substr(0, mark))
+      .raw("<sub>")
+      .text(words.substr(mark + 1, end - mark - 1))
+      .raw("</sub>")
+      .text(words.substr(end));
 }
 
 std::string Html::short_number(double value, int decimals) {

@@ -29,6 +29,8 @@ class Html {
     out_ += escape_html(text);
     return *this;
   }
+  // The same, with "a_qs" set as a with the subscript qs.
+  Html& symbol(std::string_view text);
   // ` name="value"`, value escaped.
   template <std::size_t N>
   Html& attr(const char (&name)[N], std::string_view value) {

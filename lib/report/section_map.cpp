@@ -296,7 +296,12 @@ Html map_figure(const PageContext& page) {
   overlay_choice(h, "frames", "Photographs", d.frames.size(), true, key("frame"));
   overlay_choice(h, "footprints", "Footprints", footprints, false, key("footprint"));
   h.raw("</fieldset><div class=\"legends\">").add(legends);
-  h.raw("<div class=\"legend-classes\">").add(target_key).raw("</div></div></figcaption></figure>");
+  h.raw("<div class=\"legend-classes\">").add(target_key).raw("</div>");
+  if (!d.frames.empty())
+    h.raw(
+        "<p class=\"legend-note\">Photograph arrows stand at the camera and point where the top of the image "
+        "points.</p>");
+  h.raw("</div></figcaption></figure>");
   return h;
 }
 

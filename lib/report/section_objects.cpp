@@ -11,7 +11,7 @@ namespace cairn::report {
 namespace {
 
 void fact(Html& h, std::string_view name, const std::string& value, std::string_view unit, std::string_view note = {}) {
-  h.raw("<div><dt>").text(name).raw("</dt><dd>").text(value);
+  h.raw("<div><dt>").symbol(name).raw("</dt><dd>").text(value);
   if (!unit.empty()) h.raw("<span class=\"unit\">").text(unit).raw("</span>");
   if (!note.empty()) h.raw("<small>").text(note).raw("</small>");
   h.raw("</dd></div>");

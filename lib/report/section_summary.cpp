@@ -5,6 +5,7 @@
 #include <map>
 
 #include "base/angle.hpp"
+#include "base/number_text.hpp"
 #include "base/time.hpp"
 #include "report/definitions.hpp"
 #include "report/sections.hpp"
@@ -43,11 +44,19 @@ std::string date_text(const PageContext& page) {
     last = std::max(last, f.frame.time_ns);
   }
   if (first == 0 || page.data.manifest.time_base == base::TimeBase::boot) return "";
-  const std::string from = base::iso8601(first).substr(0, 16), to = base::iso8601(last).substr(0, 16);
-  const auto day = [](const std::string& t) { return t.substr(0, 10); };
-  const auto clock = [](const std::string& t) { return t.substr(11); };
+  const std::string from = base::iso8601(first), to = base::iso8601(last);
+  const auto day = [](const std::string& iso) {
+    static constexpr std::array<std::string_view, 12> kMonths{"January",   "February", "March",    "April",
+                                                              "May",       "June",     "July",     "August",
+                                                              "September", "October",  "November", "December"};
+    const auto month = static_cast<std::size_t>(base::parse_integer(iso.substr(5, 2)).value_or(1) - 1);
+    return std::to_string(base::parse_integer(iso.substr(8, 2)).value_or(1)) + " " +
+           std::string(kMonths[std::min<std::size_t>(month, 11)]) + " " + iso.substr(0, 4);
+  };
+  const auto clock = [](const std::string& iso) { return iso.substr(11, 5); };
   std::string text = day(from) + ", " + clock(from);
-  if (from != to) text += day(from) == day(to) ? "–" + clock(to) : " to " + day(to) + ", " + clock(to);
+  if (from.substr(0, 10) != to.substr(0, 10)) text += " to " + day(to) + ", " + clock(to);
+  else if (clock(from) != clock(to)) text += "–" + clock(to);
   switch (page.data.manifest.time_base) {
     case base::TimeBase::utc: return text + " UTC";
     case base::TimeBase::gps: return text + " GPS time";
@@ -70,7 +79,7 @@ std::string class_counts(const PageContext& page) {
   for (const auto& [name, c] : n) order.emplace_back(c, name);
   std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
   std::string text;
-  for (const auto& [c, name] : order) text += (text.empty() ? "" : ", ") + grouped(c) + " " + words_of(name);
+  for (const auto& [c, name] : order) text += (text.empty() ? "" : ", ") + words_of(name) + "\u00a0" + grouped(c);
   return text;
 }
 
@@ -93,12 +102,13 @@ void grade_bar(Html& h, const Counts& n) {
   h.raw("</span></dd></div>");
 }
 
-// The reason code most often given by the rocks of a grade.
+// The reason code most often given by the rocks of a grade, of those that can decide it.
 std::string common_reason(const PageContext& page, Grade grade) {
   std::map<std::string, std::size_t> n;
   for (const RockView& r : page.data.rocks)
     if (!r.rock.rejected && r.rock.tipping.grade == grade)
-      for (const std::string& code : r.rock.tipping.reasons) ++n[code];
+      for (const std::string& code : r.rock.tipping.reasons)
+        if (grade == Grade::screening || !(code == "contact_assumed" || code.starts_with("partly_"))) ++n[code];
   const auto most =
       std::max_element(n.begin(), n.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
   return most == n.end() ? "" : most->first;
@@ -210,8 +220,8 @@ Html summary_section(const PageContext& page) {
                     "\u2009m² together; they are listed with reason and place.");
   }
   if (!page.data.provenance.warnings.empty())
-    lines.push_back(plural(page.data.provenance.warnings.size(), "warning was", "warnings were") +
-                    " raised while processing; they stand under Provenance.");
+    lines.push_back(plural(page.data.provenance.warnings.size(), "warning", "warnings") +
+                    " raised while processing: see Provenance.");
   Html h;
   if (lines.empty()) return h;
   h.raw("<section class=\"summary\" id=\"summary\"><h2>What this survey shows</h2><ul>");

@@ -279,7 +279,7 @@ Html reading_section() {
     h.raw("<div><dt><code>").text(survey::name_of(s)).raw("</code></dt><dd>").text(state_meaning(s)).raw("</dd></div>");
   h.raw("</dl></div><div><h3>Quantities</h3><dl class=\"terms\">");
   for (const Term& t : terms()) {
-    h.raw("<div><dt><b>").text(t.symbol).raw("</b> ").text(t.name);
+    h.raw("<div><dt><b>").symbol(t.symbol).raw("</b> ").text(t.name);
     if (!t.unit.empty()) h.raw(" <span class=\"quiet\">[").text(t.unit).raw("]</span>");
     h.raw("</dt><dd>").text(t.definition).raw("</dd></div>");
   }

@@ -57,7 +57,7 @@ void head(Html& h) {
   }
   h.raw("</tr><tr class=\"columns\">");
   for (const Column& c : kColumns) {
-    h.raw("<th scope=\"col\"").attr("data-key", c.key).attr("title", c.hint).raw(">").text(c.label);
+    h.raw("<th scope=\"col\"").attr("data-key", c.key).attr("title", c.hint).raw(">").symbol(c.label);
     if (!c.unit.empty()) h.raw("<small>").text(c.unit).raw("</small>");
     h.raw("</th>");
   }

@@ -80,7 +80,7 @@ export function createRockView(data) {
   function look() {
     const size = model.radius
     controls.target.copy(model.centre)
-    stage.camera.position.copy(model.centre).add(new Vector3(1.15, 0.95, 1.75).multiplyScalar(size * 1.28))
+    stage.camera.position.copy(model.centre).add(new Vector3(1.15, 0.95, 1.75).multiplyScalar(size * 1.72))
     stage.camera.near = size / 50
     stage.camera.far = size * 60
     controls.minDistance = size * 0.7
