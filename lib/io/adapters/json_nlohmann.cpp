@@ -45,8 +45,9 @@ class Builder final : public nlohmann::json_sax<nlohmann::json> {
   bool start_array(std::size_t) override { return open(Json(Json::Array{})); }
   bool end_array() override { return close(); }
 
-  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception&) override {
-    problem = "not valid JSON";
+  bool parse_error(std::size_t position, const std::string&, const nlohmann::detail::exception& e) override {
+    constexpr int kNumberOverflow = 406;  // nlohmann's out_of_range.406
+    problem = e.id == kNumberOverflow ? "number out of range" : "not valid JSON";
     problem_at = position;
     return false;
   }

@@ -1,0 +1,31 @@
+// Photographs: their size from the first bytes, their brightness as pixels.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <string>
+
+#include "geometry/grey_image.hpp"
+
+namespace cairn::io {
+
+struct ImageHeader {
+  std::string format;  // "JPEG", "PNG"
+  std::int64_t width_px = 0, height_px = 0;
+  int channels = 0;
+  std::uint64_t file_bytes = 0;
+};
+
+// Reads the frame header of a JPEG (ITU-T T.81, B.2.2) or the IHDR of a PNG (RFC 2083, 4.1.1); no pixels
+// are decoded. Throws not_found, or invalid_input with the offset: another format, a truncated header, a
+// size of 0. A JPEG must also end with its end-of-image marker (padding after it is accepted), a PNG with
+// its IEND chunk, so that a file cut short is found without decoding it.
+// Cost: a few kilobytes read.
+[[nodiscard]] ImageHeader read_image_header(const std::filesystem::path& path);
+
+// Brightness of the raw raster: the EXIF orientation is not applied. Images wider than max_width_px are
+// decoded at 1/2, 1/4 or 1/8 (JPEG: nearly for free), the largest fraction that is not wider; 0 = full
+// size. Images above 400 Mpx are refused. Throws as above, and invalid_input where decoding fails.
+[[nodiscard]] geometry::GreyImage read_grey_image(const std::filesystem::path& path, std::int64_t max_width_px = 0);
+
+}  // namespace cairn::io
