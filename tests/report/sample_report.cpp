@@ -251,6 +251,53 @@ report::ReportData tiny_report() {
   return data;
 }
 
+report::ReportData hostile_report() {
+  const std::string mark = "\"'><img src=x onerror=\"document.documentElement.dataset.broken='yes'\">";
+  const std::string script = "</script></title></style><script>document.documentElement.dataset.broken='yes'</script>";
+  const std::string url = "javascript:document.documentElement.dataset.broken='yes'";
+  report::ReportData data = tiny_report();
+  data.manifest.name = "name" + script + mark;
+  data.manifest.notes = {mark, script, "line\xE2\x80\xA8separator", "bad utf-8 \xC3\x28 \xFF",
+                         std::string("nul\0byte", 8)};
+  data.manifest.origin.geoid = mark;
+  data.manifest.sources = {{mark, script, url, survey::Confidence::assumed, mark, survey::HeightType::unknown, {}}};
+  data.targets[0].target.object_class = mark + script;
+  data.targets[0].target.reasons = {mark, script};
+  data.targets[0].photos = {{mark, "image/png\" onload=\"x", "abc"}, {script, "image/jpeg", "\xFF\xD8"}};
+  report::RockView rock = sample_rock(1, {10.0, 5.0, 1.5}, 1.0, 1.2, survey::Grade::screening);
+  rock.rock.object_class = mark;
+  rock.rock.tipping.reasons = {script, mark};
+  rock.model_file = url + mark;
+  data.rocks.push_back(rock);
+  report::FrameView frame;
+  frame.frame.id = survey::FrameId(1);
+  frame.frame.image = mark + script;
+  frame.footprint = {{0, 0}, {20, 0}, {20, 20}, {0, 20}};
+  data.frames.push_back(frame);
+  survey::Obstacle obstacle;
+  obstacle.target = survey::TargetId(1);
+  obstacle.object_class = script;
+  obstacle.position = {10.0, 5.0, 2.0};
+  data.obstacles.push_back(obstacle);
+  data.coverage = sample_coverage();
+  data.coverage->gates[0].name = mark;
+  data.coverage->gates[0].rule = script;
+  data.coverage->histograms[0].title = mark;
+  data.coverage->histograms[0].unit = script;
+  data.coverage->gaps[0].reasons = {mark, script};
+  data.coverage->gaps[0].nearest_frames = {script};
+  data.coverage->gaps[0].suggestion = mark;
+  data.route = report::RouteView{{{0, 0}, {9, 9}}, 12.7, {}, {}, mark + script};
+  data.rejects = {{mark, {script, mark, script + mark}}};
+  data.provenance.version = mark;
+  data.provenance.recipe = script;
+  data.provenance.warnings = {mark, script};
+  data.provenance.inputs = {{mark, script}};
+  data.provenance.crs_operations = {script};
+  data.provenance.options = io::Json::object({{mark, script}});
+  return data;
+}
+
 report::ReportData sample_report(const std::filesystem::path& folder) {
   report::ReportData data = tiny_report();
   data.targets.clear();

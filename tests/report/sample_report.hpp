@@ -14,6 +14,9 @@ namespace cairn::testing {
 // The smallest report that has a table: one target, nothing else.
 [[nodiscard]] report::ReportData tiny_report();
 
+// Every text of the data tries to become markup or script.
+[[nodiscard]] report::ReportData hostile_report();
+
 // A rock of the given grade with mesh, contact and polar table, standing at `foot`.
 [[nodiscard]] report::RockView sample_rock(std::int64_t id, const geometry::Vec3& foot, double width, double height,
                                            survey::Grade grade);
