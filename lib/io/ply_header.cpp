@@ -6,6 +6,7 @@
 
 #include "base/number_text.hpp"
 #include "io/bytes.hpp"
+#include "io/cloud_columns.hpp"
 
 namespace cairn::io::ply {
 namespace {
@@ -59,22 +60,6 @@ Property read_property(std::string_view line, const TextReader& in) {
 }
 
 }  // namespace
-
-std::size_t size_of(ScalarType type) {
-  switch (type) {
-    case ScalarType::u8:
-    case ScalarType::i8: return 1;
-    case ScalarType::u16:
-    case ScalarType::i16: return 2;
-    case ScalarType::u32:
-    case ScalarType::i32:
-    case ScalarType::f32: return 4;
-    case ScalarType::u64:
-    case ScalarType::i64:
-    case ScalarType::f64: return 8;
-  }
-  return 8;
-}
 
 std::string_view name_of(Encoding encoding) {
   switch (encoding) {

@@ -39,7 +39,6 @@ struct Header {
   std::uint64_t body_line = 0;  // 1-based number of that line
 };
 
-[[nodiscard]] std::size_t size_of(geometry::ScalarType type);
 [[nodiscard]] std::string_view name_of(Encoding encoding);
 [[nodiscard]] Header parse_header(std::string_view text, const std::string& file);
 

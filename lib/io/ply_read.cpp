@@ -1,13 +1,13 @@
 // Reading of the elements of a PLY file.
 #include <algorithm>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <utility>
 
 #include "base/number_text.hpp"
 #include "base/parallel.hpp"
 #include "io/bytes.hpp"
+#include "io/cloud_columns.hpp"
 #include "io/ply.hpp"
 #include "io/ply_header.hpp"
 
@@ -22,150 +22,15 @@ using ply::Property;
 
 constexpr std::size_t kPiecePoints = 4096;
 
-template <typename T>
-T load(const std::byte* from, bool swap) {
-  return swap ? load_be<T>(from) : load_le<T>(from);
-}
-
-// Calls body with a value of the C++ type that stands for `type`.
-template <typename Body>
-auto with_type(ScalarType type, const Body& body) {
-  switch (type) {
-    case ScalarType::u8: return body(std::uint8_t{});
-    case ScalarType::i8: return body(std::int8_t{});
-    case ScalarType::u16: return body(std::uint16_t{});
-    case ScalarType::i16: return body(std::int16_t{});
-    case ScalarType::u32: return body(std::uint32_t{});
-    case ScalarType::i32: return body(std::int32_t{});
-    case ScalarType::u64: return body(std::uint64_t{});
-    case ScalarType::i64: return body(std::int64_t{});
-    case ScalarType::f32: return body(float{});
-    case ScalarType::f64: break;
+// The columns of the vertices; lists among them are skipped.
+std::vector<NamedColumn> columns_of(const Element& vertex, SourceFacts& facts) {
+  std::vector<NamedColumn> columns;
+  for (const Property& p : vertex.properties) {
+    if (p.count_type) facts.warnings.push_back("the list '" + p.name + "' of each vertex is not read");
+    // "rgb" packed in a float is a habit of PCD alone.
+    columns.push_back({p.name, p.type, p.count_type.has_value()});
   }
-  return body(double{});
-}
-
-double load_any(const std::byte* from, ScalarType type, bool swap) {
-  return with_type(type, [&](auto kind) { return static_cast<double>(load<decltype(kind)>(from, swap)); });
-}
-
-// Where the values of one vertex property go.
-enum class Role { skip, position, normal, colour, intensity, classification, gps_time, scalar };
-
-struct Slot {
-  Role role = Role::skip;
-  int axis = 0;            // of a position, normal or colour
-  std::size_t scalar = 0;  // index of the column
-  ScalarType type = ScalarType::f64;
-};
-
-std::uint16_t to_u16(double v, double scale) {
-  return static_cast<std::uint16_t>(std::clamp(std::isfinite(v) ? std::round(v * scale) : 0.0, 0.0, 65535.0));
-}
-
-std::uint16_t colour_of(double v, ScalarType type) {
-  switch (type) {
-    case ScalarType::f32:
-    case ScalarType::f64: return to_u16(v, 65535.0);
-    case ScalarType::u16: return static_cast<std::uint16_t>(v);
-    // "char" for a colour means the same byte.
-    case ScalarType::i8: return to_u16(v < 0.0 ? v + 256.0 : v, 257.0);
-    default: return to_u16(v, 257.0);
-  }
-}
-
-void put(PointCloud& cloud, const Slot& slot, std::size_t i, double v) {
-  switch (slot.role) {
-    case Role::position: cloud.positions[i][slot.axis] = v; break;
-    case Role::normal: cloud.normals[i][slot.axis] = v; break;
-    case Role::colour: cloud.colours[i][static_cast<std::size_t>(slot.axis)] = colour_of(v, slot.type); break;
-    case Role::intensity: cloud.intensity[i] = to_u16(v, 1.0); break;
-    case Role::classification: cloud.classification[i] = static_cast<std::uint8_t>(to_u16(v, 1.0)); break;
-    case Role::gps_time: cloud.gps_time[i] = v; break;
-    case Role::scalar: cloud.scalars[slot.scalar].values[i] = v; break;
-    case Role::skip: break;
-  }
-}
-
-int index_in(std::string_view name, std::initializer_list<std::string_view> names) {
-  int i = 0;
-  for (const auto& candidate : names) {
-    if (candidate == name) return i;
-    ++i;
-  }
-  return -1;
-}
-
-// Decides where each property goes. Normals and colours need all three of their parts.
-std::vector<Slot> assign_slots(const Element& vertex, const ply::Header& header, const std::string& file,
-                               SourceFacts& facts) {
-  std::vector<Slot> slots(vertex.properties.size());
-  int positions = 0, normals = 0, colours = 0;
-  for (std::size_t p = 0; p < slots.size(); ++p) {
-    const Property& property = vertex.properties[p];
-    Slot& slot = slots[p];
-    slot.type = property.type;
-    if (property.count_type) {
-      facts.warnings.push_back("the list '" + property.name + "' of each vertex is not read");
-      continue;
-    }
-    const auto of = [&](Role role, int axis) {
-      slot.role = role;
-      slot.axis = axis;
-    };
-    const std::string& name = property.name;
-    if (const int axis = index_in(name, {"x", "y", "z"}); axis >= 0) {
-      of(Role::position, axis);
-      ++positions;
-    } else if (const int n = index_in(name, {"nx", "ny", "nz"}); n >= 0) {
-      of(Role::normal, n);
-      ++normals;
-    } else if (const int c = index_in(name, {"red", "green", "blue"}); c >= 0) {
-      of(Role::colour, c);
-      ++colours;
-    } else if (const int s = index_in(name, {"r", "g", "b"}); s >= 0) {
-      of(Role::colour, s);
-      ++colours;
-    } else if (const int d = index_in(name, {"diffuse_red", "diffuse_green", "diffuse_blue"}); d >= 0) {
-      of(Role::colour, d);
-      ++colours;
-    } else if (name == "intensity" && (property.type == ScalarType::u8 || property.type == ScalarType::u16)) {
-      of(Role::intensity, 0);
-    } else if (name == "classification" && property.type == ScalarType::u8) {
-      of(Role::classification, 0);
-    } else if (name == "gps_time" && property.type == ScalarType::f64) {
-      of(Role::gps_time, 0);
-    } else {
-      of(Role::scalar, 0);
-    }
-  }
-  if (positions != 3)
-    throw bad_line(file, header.body_line - 1, "the vertices lack a coordinate")
-        .found(std::to_string(positions) + " of x, y, z")
-        .allowed("x, y and z");
-  for (Slot& slot : slots)
-    if ((slot.role == Role::normal && normals != 3) || (slot.role == Role::colour && colours != 3))
-      slot.role = Role::scalar;
-  return slots;
-}
-
-void make_columns(PointCloud& cloud, const Element& vertex, std::vector<Slot>& slots, std::size_t n) {
-  cloud.positions.resize(n);
-  for (std::size_t p = 0; p < slots.size(); ++p) {
-    switch (slots[p].role) {
-      case Role::normal: cloud.normals.resize(n); break;
-      case Role::colour: cloud.colours.resize(n); break;
-      case Role::intensity: cloud.intensity.resize(n); break;
-      case Role::classification: cloud.classification.resize(n); break;
-      case Role::gps_time: cloud.gps_time.resize(n); break;
-      case Role::scalar:
-        slots[p].scalar = cloud.scalars.size();
-        cloud.scalars.push_back({vertex.properties[p].name, slots[p].type, "", std::vector<double>(n)});
-        break;
-      case Role::position:
-      case Role::skip: break;
-    }
-  }
+  return columns;
 }
 
 // Reads one element after another, in the file's order.
@@ -205,7 +70,7 @@ class Body {
         }
         const double length = next(*property.count_type, element);
         const std::uint64_t left =
-            ascii() ? (words_.remaining() + 1) / 2 : (file_.bytes().size() - position_) / ply::size_of(property.type);
+            ascii() ? (words_.remaining() + 1) / 2 : (file_.bytes().size() - position_) / size_of(property.type);
         if (!(length >= 0.0 && length <= static_cast<double>(left)) || length != std::floor(length))
           throw at(position_, "a list is longer than the rest of the file")
               .found(base::to_text(length))
@@ -228,7 +93,7 @@ class Body {
     if (ascii() || vertex.has_lists()) {
       each_record(
           vertex,
-          [&](std::uint64_t i, std::size_t p, double v) { put(cloud, slots[p], static_cast<std::size_t>(i), v); },
+          [&](std::uint64_t i, std::size_t p, double v) { put_value(cloud, slots[p], static_cast<std::size_t>(i), v); },
           [](std::uint64_t, std::size_t, std::size_t) {});
       return;
     }
@@ -241,9 +106,9 @@ class Body {
         with_type(slot.type, [&](auto kind) {
           const std::byte* from = begin + first * stride + offset;
           for (std::size_t i = first; i < last; ++i, from += stride)
-            put(cloud, slot, i, static_cast<double>(load<decltype(kind)>(from, swap_)));
+            put_value(cloud, slot, i, static_cast<double>(load<decltype(kind)>(from, swap_)));
         });
-        offset += ply::size_of(slot.type);
+        offset += size_of(slot.type);
       }
     });
     position_ += static_cast<std::size_t>(vertex.count) * stride;
@@ -269,7 +134,7 @@ class Body {
             .found("'" + printable_text(std::as_bytes(std::span(word->substr(0, 40)))) + "'");
       return *v;
     }
-    const std::size_t size = ply::size_of(type);
+    const std::size_t size = size_of(type);
     if (file_.bytes().size() - position_ < size)
       throw at(position_, "the file ends inside the '" + element.name.substr(0, 40) + "' records")
           .hint("The file is truncated");
@@ -341,8 +206,14 @@ CloudData read_ply(const std::filesystem::path& path, MeshData* mesh) {
     if (element.name == "vertex" && !has_vertices) {
       has_vertices = true;
       data.facts.declared_points = element.count;
-      std::vector<Slot> slots = assign_slots(element, header, file.name(), data.facts);
-      make_columns(data.cloud, element, slots, static_cast<std::size_t>(element.count));
+      const std::vector<NamedColumn> columns = columns_of(element, data.facts);
+      int positions = 0;
+      std::vector<Slot> slots = assign_slots(columns, positions);
+      if (positions != 3)
+        throw bad_line(file.name(), header.body_line - 1, "the vertices lack a coordinate")
+            .found(std::to_string(positions) + " of x, y, z")
+            .allowed("x, y and z");
+      make_columns(data.cloud, columns, slots, static_cast<std::size_t>(element.count));
       body.read_vertices(element, slots, data.cloud);
     } else if (element.name == "face") {
       data.facts.declared_faces += element.count;

@@ -1,0 +1,176 @@
+#include "surface/rock_body.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/number_text.hpp"
+#include "geometry/kd_tree.hpp"
+#include "surface/alpha_wrap.hpp"
+#include "surface/mesh_checks.hpp"
+#include "surface/top_surface.hpp"
+#include "surface/triangulation.hpp"
+
+namespace cairn::surface {
+namespace {
+
+using geometry::Triangle;
+using geometry::Vec2;
+using geometry::Vec3;
+
+constexpr const char* kGiven = "given";
+
+base::Reject reject(const char* reason, std::string message) {
+  return {"", reason, std::move(message)};
+}
+
+// Edge of the square that one point has to itself in plan.
+double plan_spacing(std::span<const Vec3> points) {
+  std::vector<Vec2> plan;
+  for (const auto& p : points) plan.push_back((p - points.front()).head<2>());
+  const double area = geometry::signed_area(geometry::convex_hull(plan));
+  return std::sqrt(area / static_cast<double>(points.size()));
+}
+
+FlaggedMesh top_body(const BodyInput& input, const BodyOptions& options) {
+  return close_top_surface(input.points, input.ground, options.rim_edge_factor * plan_spacing(input.points),
+                           options.clearance_m);
+}
+
+// Points that close the base: the lowest band of the rock dropped to the ground, and the ground inside it.
+std::vector<Vec3> base_points(const BodyInput& input, double step) {
+  double lowest = 1e300;
+  for (const auto& p : input.points) lowest = std::min(lowest, p.z() - input.ground(p.head<2>()));
+  std::vector<Vec3> base;
+  std::vector<Vec2> foot;
+  for (const auto& p : input.points) {
+    const double up = input.ground(p.head<2>());
+    if (p.z() - up > lowest + 2.0 * step) continue;
+    for (double z = p.z() - step; z > up; z -= step) base.emplace_back(p.x(), p.y(), z);
+    base.emplace_back(p.x(), p.y(), up);
+    foot.push_back((p - input.points.front()).head<2>());
+  }
+  const Vec2 origin = input.points.front().head<2>();
+  const auto triangles = trim_rim(foot, delaunay(foot), 8.0 * step);
+  for (const Triangle& t : triangles) {
+    const Vec2 &a = foot[t[0]], &b = foot[t[1]], &c = foot[t[2]];
+    const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+    const int parts = std::max(1, static_cast<int>(std::ceil(longest / step)));
+    for (int i = 0; i <= parts; ++i)
+      for (int j = 0; i + j <= parts; ++j) {
+        const Vec2 q =
+            origin + a + (b - a) * (static_cast<double>(i) / parts) + (c - a) * (static_cast<double>(j) / parts);
+        base.emplace_back(q.x(), q.y(), input.ground(q));
+      }
+  }
+  return base;
+}
+
+// Every vertex moved inwards by `offset` along its area-weighted normal.
+geometry::TriangleMesh deflated(const geometry::TriangleMesh& mesh, double offset) {
+  std::vector<Vec3> normal(mesh.vertices.size(), Vec3::Zero());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const Vec3 area = mesh.area_vector(t);
+    for (const auto v : mesh.triangles[t]) normal[v] += area;
+  }
+  geometry::TriangleMesh result = mesh;
+  for (std::size_t v = 0; v < normal.size(); ++v)
+    if (normal[v].norm() > 0.0) result.vertices[v] -= offset * normal[v].normalized();
+  return result;
+}
+
+FlaggedMesh wrap_body(const BodyInput& input, const BodyOptions& options, std::vector<std::string>& notes) {
+  const double alpha = options.wrap_alpha_factor * input.spacing;
+  const double offset = options.wrap_offset_factor * alpha;
+  std::vector<Vec3> all(input.points.begin(), input.points.end());
+  const auto base = base_points(input, 0.5 * alpha);
+  all.insert(all.end(), base.begin(), base.end());
+  FlaggedMesh result;
+  result.mesh = alpha_wrap(all, alpha, offset);
+  auto tight = deflated(result.mesh, offset);
+  if (self_intersects(tight)) notes.emplace_back("offset_kept");
+  else result.mesh = std::move(tight);
+  const std::vector<Vec3> rock(input.points.begin(), input.points.end());
+  const geometry::KdTree tree(rock);
+  for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
+    result.seen.push_back(std::sqrt(tree.nearest(result.mesh.centroid(t), 1).front().squared_distance) <= alpha ? 1
+                                                                                                                : 0);
+  return result;
+}
+
+std::variant<RockBody, base::Reject> finish(FlaggedMesh flagged, RockBody body) {
+  body.mesh = std::move(flagged.mesh);
+  body.seen = std::move(flagged.seen);
+  body.mass = geometry::mass_properties(body.mesh);
+  auto& quality = body.quality;
+  quality.topology = geometry::topology(body.mesh);
+  if (!quality.topology.closed())
+    return reject("surface_not_closed", std::to_string(quality.topology.boundary_edges) + " open, " +
+                                            std::to_string(quality.topology.inconsistent_edges) + " badly turned and " +
+                                            std::to_string(quality.topology.non_manifold_edges) +
+                                            " non-manifold edges; none allowed");
+  quality.self_intersecting = self_intersects(body.mesh);
+  if (quality.self_intersecting) {
+    // Our own surfaces must not; a published mesh may brush itself and its signed sums still hold.
+    if (body.method != kGiven) return reject("self_intersecting", "the surface passes through itself");
+    body.notes.emplace_back("self_intersecting");
+  }
+  if (quality.topology.components != 1)
+    return reject("several_pieces", std::to_string(quality.topology.components) + " separate shells; 1 allowed");
+  if (!(body.mass.volume > 0.0)) return reject("flat_points", "the closed surface holds no volume");
+  quality.watertight = !quality.self_intersecting;
+  double seen = 0.0;
+  for (std::size_t t = 0; t < body.mesh.triangles.size(); ++t)
+    if (body.seen[t] != 0) seen += body.mesh.area_vector(t).norm();
+  quality.unseen_area_fraction = std::clamp(1.0 - seen / body.mass.area, 0.0, 1.0);
+  body.hull_volume = geometry::mass_properties(convex_hull(body.mesh.vertices)).volume;
+  return body;
+}
+
+}  // namespace
+
+void BodyOptions::visit(base::OptionVisitor& visitor) {
+  visitor.choice("method", method, {"auto", "top", "wrap"}, "how the surface is closed");
+  visitor.integer("wrap-min-points", wrap_min_points, 4, 100'000'000, "fewest points for wrap under auto");
+  visitor.real("wrap-min-flanks", wrap_min_flanks, 0.0, 1.0, "least share of flanks seen for wrap under auto");
+  visitor.real("wrap-alpha-factor", wrap_alpha_factor, 1.0, 100.0, "alpha in point spacings");
+  visitor.real("wrap-offset-factor", wrap_offset_factor, 0.01, 1.0, "offset as a share of alpha");
+  visitor.real("rim-edge-factor", rim_edge_factor, 1.0, 1000.0,
+               "top: outline edges longer than this many plan spacings are followed inwards");
+  visitor.real("clearance-m", clearance_m, 1e-6, 1.0, "top: least height of the surface above its cap");
+}
+
+std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options) {
+  if (input.points.size() < 4)
+    return reject("too_few_points", std::to_string(input.points.size()) + " points, 4 needed");
+  if (!(plan_spacing(input.points) > 0.0)) return reject("flat_points", "the points lie on one line in plan");
+  const bool dense = input.points.size() >= static_cast<std::size_t>(options.wrap_min_points) &&
+                     input.flanks_seen_share >= options.wrap_min_flanks && input.spacing > 0.0;
+  RockBody body;
+  body.method = options.method == "auto" ? (dense ? "wrap" : "top") : options.method;
+  if (body.method == "wrap") {
+    if (!(input.spacing > 0.0)) return reject("flat_points", "all points coincide");
+    body.cap = survey::CapModel::wrap;
+    auto mesh = wrap_body(input, options, body.notes);
+    return finish(std::move(mesh), std::move(body));
+  }
+  auto mesh = top_body(input, options);
+  if (mesh.mesh.triangles.empty()) return reject("flat_points", "the points span no area in plan");
+  return finish(std::move(mesh), std::move(body));
+}
+
+std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh) {
+  FlaggedMesh flagged;
+  flagged.mesh = geometry::weld(mesh);
+  if (flagged.mesh.triangles.empty()) return reject("flat_points", "the mesh has no triangle with area");
+  RockBody body;
+  body.method = kGiven;
+  body.cap = survey::CapModel::none;
+  if (geometry::mass_properties(flagged.mesh).volume < 0.0) {
+    flagged.mesh = geometry::flipped(flagged.mesh);
+    body.notes.emplace_back("turned_outwards");
+  }
+  flagged.seen.assign(flagged.mesh.triangles.size(), 1);
+  return finish(std::move(flagged), std::move(body));
+}
+
+}  // namespace cairn::surface
