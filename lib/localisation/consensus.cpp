@@ -1,0 +1,234 @@
+#include "localisation/consensus.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "geometry/assignment.hpp"
+#include "localisation/pool_pairs.hpp"
+
+namespace cairn::localisation {
+namespace {
+
+using geometry::Vec3;
+
+constexpr int kRounds = 5;
+constexpr double kSameObject = 0.25;  // of the size: centres nearer than this are one object, boxes in one frame or not
+
+class Builder {
+ public:
+  Builder(const PreparedBoxes& prepared, const DepthPrior& depth, const LocateOptions& options,
+          const base::RunContext& ctx)
+      : prepared_(prepared), options_(options), ctx_(ctx), judge_(prepared, depth, options) {}
+
+  Consensus run(const std::vector<LiveTarget>& seeds) {
+    result_.seed_of_box.resize(prepared_.boxes.size());
+    for (const auto& seed : seeds) {
+      next_id_ = std::max(next_id_, seed.id.value + 1);
+      for (const std::size_t b : seed.boxes) result_.seed_of_box[b] = seed.id;
+      Candidate c;
+      c.id = seed.id;
+      c.object_class = seed.object_class;
+      c.boxes = seed.boxes;
+      if (refit(c)) candidates_.push_back(std::move(c));
+    }
+    merge();
+    for (int round = 0; round < kRounds; ++round) {
+      ctx_.check_stop();
+      dissolve_pairs();
+      recover();
+      const bool changed = reassign();
+      merge();
+      if (!changed) break;
+    }
+    drop_doubles();
+    std::sort(candidates_.begin(), candidates_.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
+    const auto pool = free_boxes();
+    result_.left_over.assign(pool.begin(), pool.end());
+    for (auto& c : candidates_) {
+      c.visible_frames = judge_.visible_frames(c);
+      for (const std::size_t b : c.boxes)
+        if (result_.seed_of_box[b].valid() && result_.seed_of_box[b] != c.id) ++result_.moved;
+    }
+    result_.candidates = std::move(candidates_);
+    return std::move(result_);
+  }
+
+ private:
+  // Triangulates and keeps the consistent boxes. False where fewer than two are left, or the point lies
+  // outside the depth range.
+  bool refit(Candidate& c) const { return judge_.fit(c); }
+
+  std::vector<std::size_t> free_boxes() const {
+    std::vector<bool> used(prepared_.boxes.size(), false);
+    for (const auto& c : candidates_)
+      for (const std::size_t b : c.boxes) used[b] = true;
+    std::vector<std::size_t> pool;
+    for (std::size_t b = 0; b < used.size(); ++b)
+      if (!used[b]) pool.push_back(b);
+    return pool;
+  }
+
+  bool share_frame(const Candidate& a, const Candidate& b) const {
+    for (const std::size_t i : a.boxes)
+      for (const std::size_t j : b.boxes)
+        if (prepared_.boxes[i].frame == prepared_.boxes[j].frame) return true;
+    return false;
+  }
+
+  void sort_by_east() {
+    std::stable_sort(candidates_.begin(), candidates_.end(), [](const auto& a, const auto& b) {
+      return a.fix.centre.x() != b.fix.centre.x() ? a.fix.centre.x() < b.fix.centre.x() : a.id < b.id;
+    });
+  }
+
+  // Pairs near enough to be one object, over candidates sorted by east. `act` returns true when it removed the second.
+  template <typename Act>
+  void for_near_pairs(const Act& act) {
+    sort_by_east();
+    double widest = 0.0;
+    for (const auto& c : candidates_) widest = std::max(widest, c.size_m);
+    std::vector<bool> gone(candidates_.size(), false);
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      for (std::size_t j = i + 1; j < candidates_.size() && !gone[i]; ++j) {
+        if (candidates_[j].fix.centre.x() - candidates_[i].fix.centre.x() > 2.0 * widest) break;
+        if (gone[j] || candidates_[i].object_class != candidates_[j].object_class) continue;
+        if (act(candidates_[i], candidates_[j])) gone[j] = true;
+      }
+    std::vector<Candidate> kept;
+    for (std::size_t i = 0; i < candidates_.size(); ++i)
+      if (!gone[i]) kept.push_back(std::move(candidates_[i]));
+    candidates_ = std::move(kept);
+  }
+
+  void merge() {
+    for_near_pairs([this](Candidate& a, Candidate& b) {
+      const double distance = (a.fix.centre - b.fix.centre).norm();
+      const double spread = 3.0 * std::sqrt(a.fix.covariance.trace() + b.fix.covariance.trace());
+      if (distance > std::max(std::max(a.size_m, b.size_m), spread) || share_frame(a, b)) return false;
+      Candidate joined = a;
+      joined.id = std::min(a.id, b.id);
+      joined.boxes.insert(joined.boxes.end(), b.boxes.begin(), b.boxes.end());
+      if (!refit(joined) || joined.boxes.size() < a.boxes.size() + b.boxes.size()) return false;
+      a = std::move(joined);
+      ++result_.merged;
+      return true;
+    });
+  }
+
+  // One object boxed twice in the same frames: the target with more boxes stays.
+  void drop_doubles() {
+    for_near_pairs([this](Candidate& a, Candidate& b) {
+      const double limit = kSameObject * std::min(a.size_m, b.size_m);
+      if ((a.fix.centre - b.fix.centre).norm() > limit) return false;
+      if (b.boxes.size() > a.boxes.size() || (b.boxes.size() == a.boxes.size() && b.id < a.id)) std::swap(a, b);
+      ++result_.merged;
+      return true;
+    });
+  }
+
+  // Two boxes always meet nearly somewhere: such targets stand for election again, beside the other pool boxes.
+  void dissolve_pairs() {
+    std::erase_if(candidates_, [](const Candidate& c) { return c.boxes.size() < 3; });
+  }
+
+  void recover() {
+    std::set<survey::TargetId> used;
+    for (const auto& c : candidates_) used.insert(c.id);
+    for (auto& c : candidates_from_pool(prepared_, judge_, free_boxes(), options_)) {
+      // The oldest of its boxes' former targets gives the name; a new one only where all are in use.
+      survey::TargetId id;
+      for (const std::size_t b : c.boxes) {
+        const auto seed = result_.seed_of_box[b];
+        if (seed.valid() && !used.contains(seed) && (!id.valid() || seed < id)) id = seed;
+      }
+      if (!id.valid()) id = survey::TargetId(next_id_++);
+      used.insert(id);
+      c.id = id;
+      if (c.boxes.size() > 2) ++result_.recovered;
+      candidates_.push_back(std::move(c));
+    }
+  }
+
+  // All boxes to all candidates, frame by frame. True where some candidate's boxes changed.
+  bool reassign() {
+    std::vector<std::vector<std::size_t>> boxes_of(candidates_.size());
+    const double gate2 = options_.box_gate * options_.box_gate;
+    for (const auto& frame : prepared_.frames) {
+      std::vector<std::size_t> boxes = frame.boxes;
+      boxes.insert(boxes.end(), frame.cut_boxes.begin(), frame.cut_boxes.end());
+      if (boxes.empty()) continue;
+      std::vector<std::size_t> rows;
+      std::vector<double> score;
+      for (std::size_t c = 0; c < candidates_.size(); ++c) {
+        std::vector<double> row(boxes.size(), 0.0);
+        bool any = false;
+        for (std::size_t b = 0; b < boxes.size(); ++b) {
+          const auto d2 = judge_.distance(candidates_[c], boxes[b]);
+          if (!d2 || *d2 > gate2) continue;
+          row[b] = 1.0 + (gate2 - *d2) / gate2;
+          any = true;
+        }
+        if (!any) continue;
+        rows.push_back(c);
+        score.insert(score.end(), row.begin(), row.end());
+      }
+      std::vector<double> cost(score.size());
+      std::transform(score.begin(), score.end(), cost.begin(), [](double s) { return -s; });
+      const auto pairs = geometry::assign(cost, rows.size(), boxes.size());
+      for (std::size_t r = 0; r < rows.size(); ++r)
+        if (pairs[r] != geometry::kUnassigned && score[r * boxes.size() + pairs[r]] > 0.0)
+          boxes_of[rows[r]].push_back(boxes[pairs[r]]);
+    }
+    bool changed = false;
+    std::vector<Candidate> kept;
+    for (std::size_t c = 0; c < candidates_.size(); ++c) {
+      Candidate next = candidates_[c];
+      next.boxes = boxes_of[c];
+      const bool fits = refit(next);
+      changed = changed || !fits || next.boxes != candidates_[c].boxes;
+      if (fits) kept.push_back(std::move(next));
+    }
+    candidates_ = std::move(kept);
+    return changed;
+  }
+
+  const PreparedBoxes& prepared_;
+  const LocateOptions& options_;
+  const base::RunContext& ctx_;
+  BoxJudge judge_;
+  std::vector<Candidate> candidates_;
+  Consensus result_;
+  std::int64_t next_id_ = 1;
+};
+
+}  // namespace
+
+std::optional<double> noise_scale(const PreparedBoxes& prepared, const Consensus& consensus) {
+  constexpr double kLeastRedundancy = 50.0;
+  double squares = 0.0, redundancy = 0.0;
+  for (const auto& c : consensus.candidates) {
+    double count = 0.0, sum = 0.0;
+    for (const std::size_t b : c.boxes) {
+      const Box& box = prepared.boxes[b];
+      if (box.cut) continue;  // their large errors would hide what the others say
+      const auto d2 = squared_distance({&prepared.frames[box.frame], box.centre_px, box.sigma_px, box.cut},
+                                       c.fix.centre, geometry::Mat3::Zero());
+      if (!d2) continue;
+      sum += *d2;
+      count += 1.0;
+    }
+    if (count < 3.0) continue;
+    squares += sum;
+    redundancy += 2.0 * count - 3.0;
+  }
+  if (redundancy < kLeastRedundancy || !(squares > 0.0)) return std::nullopt;
+  return std::sqrt(squares / redundancy);
+}
+
+Consensus find_consensus(const PreparedBoxes& prepared, const DepthPrior& depth, const std::vector<LiveTarget>& seeds,
+                         const LocateOptions& options, const base::RunContext& ctx) {
+  return Builder(prepared, depth, options, ctx).run(seeds);
+}
+
+}  // namespace cairn::localisation

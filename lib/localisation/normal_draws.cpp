@@ -1,0 +1,68 @@
+#include "localisation/normal_draws.hpp"
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+namespace cairn::localisation {
+namespace {
+
+constexpr std::size_t kLayers = 256;
+constexpr double kTailStart = 3.6541528853610088;  // R for 256 layers (Doornik 2005)
+constexpr double kLayerArea = 0.00492867323399;    // V: area of each layer
+
+// Layer i spans |x| < x[i]; x[0] is the base layer's pseudo-width, x[256] = 0. f[i] = exp(-x^2/2).
+struct Tables {
+  std::array<double, kLayers + 1> x{}, f{};
+  Tables() {
+    double density = std::exp(-0.5 * kTailStart * kTailStart);
+    x[0] = kLayerArea / density;
+    x[1] = kTailStart;
+    for (std::size_t i = 2; i < kLayers; ++i) {
+      x[i] = std::sqrt(-2.0 * std::log(kLayerArea / x[i - 1] + density));
+      density = std::exp(-0.5 * x[i] * x[i]);
+    }
+    x[kLayers] = 0.0;
+    for (std::size_t i = 0; i <= kLayers; ++i) f[i] = std::exp(-0.5 * x[i] * x[i]);
+  }
+};
+
+double tail(base::Random& random, bool negative) {
+  double x = 0.0, y = 0.0;
+  do {
+    x = std::log(1.0 - random.uniform()) / kTailStart;  // 1 - u: never log(0)
+    y = std::log(1.0 - random.uniform());
+  } while (-2.0 * y < x * x);
+  return negative ? x - kTailStart : kTailStart - x;
+}
+
+}  // namespace
+
+void fill_normal(std::span<double> out, base::Random& random) {
+  static const Tables tables;
+  for (double& value : out) {
+    for (;;) {
+      const std::uint64_t bits = random.bits();
+      const std::size_t layer = bits & (kLayers - 1);
+      const bool negative = (bits & kLayers) != 0;
+      const double u = static_cast<double>(bits >> 11) * 0x1.0p-53;
+      const double x = u * tables.x[layer];
+      if (x < tables.x[layer + 1]) {  // inside the part of the layer that lies below the curve
+        value = negative ? -x : x;
+        break;
+      }
+      if (layer == 0) {
+        value = tail(random, negative);
+        break;
+      }
+      const double f = tables.f[layer] + random.uniform() * (tables.f[layer + 1] - tables.f[layer]);
+      if (f < std::exp(-0.5 * x * x)) {
+        value = negative ? -x : x;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace cairn::localisation
