@@ -204,6 +204,28 @@ class Builder {
 
 }  // namespace
 
+std::optional<double> noise_scale(const PreparedBoxes& prepared, const Consensus& consensus) {
+  constexpr double kLeastRedundancy = 50.0;
+  double squares = 0.0, redundancy = 0.0;
+  for (const auto& c : consensus.candidates) {
+    double count = 0.0, sum = 0.0;
+    for (const std::size_t b : c.boxes) {
+      const Box& box = prepared.boxes[b];
+      if (box.cut) continue;  // their large errors would hide what the others say
+      const auto d2 = squared_distance({&prepared.frames[box.frame], box.centre_px, box.sigma_px, box.cut},
+                                       c.fix.centre, geometry::Mat3::Zero());
+      if (!d2) continue;
+      sum += *d2;
+      count += 1.0;
+    }
+    if (count < 3.0) continue;
+    squares += sum;
+    redundancy += 2.0 * count - 3.0;
+  }
+  if (redundancy < kLeastRedundancy || !(squares > 0.0)) return std::nullopt;
+  return std::sqrt(squares / redundancy);
+}
+
 Consensus find_consensus(const PreparedBoxes& prepared, const DepthPrior& depth, const std::vector<LiveTarget>& seeds,
                          const LocateOptions& options, const base::RunContext& ctx) {
   return Builder(prepared, depth, options, ctx).run(seeds);

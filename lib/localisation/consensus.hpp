@@ -40,6 +40,10 @@ struct Consensus {
 //   4. assign all boxes to all targets anew, frame by frame, by reprojection distance (Hungarian).
 // A box belongs to one target at most. Cost: targets x frames, plus pairs of pool boxes whose depth
 // ranges overlap on the map.
+// How much larger the residuals are than the assumed errors say: sqrt(sum of squared residuals [sigmas] / redundancy)
+// over the targets with three or more whole boxes. Empty with a redundancy below 50: too little to judge by.
+[[nodiscard]] std::optional<double> noise_scale(const PreparedBoxes& prepared, const Consensus& consensus);
+
 [[nodiscard]] Consensus find_consensus(const PreparedBoxes& prepared, const DepthPrior& depth,
                                        const std::vector<LiveTarget>& seeds, const LocateOptions& options,
                                        const base::RunContext& ctx);

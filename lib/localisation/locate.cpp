@@ -17,6 +17,8 @@ namespace {
 using survey::Target;
 using survey::TargetState;
 
+constexpr double kSigmaShare = 0.25;  // of the size: a large object's outline has no sharper centre
+
 struct Output {
   Target target;
   TargetEvidence evidence;
@@ -90,8 +92,8 @@ Output robust_target(const PreparedBoxes& prepared, const PointsTracker& tracker
   std::vector<std::string> missing;
   if (c.boxes.size() < static_cast<std::size_t>(options.min_boxes)) missing.emplace_back("too_few_boxes");
   if (out.evidence.parallax_deg < options.min_parallax_deg) missing.emplace_back("one_direction");
-  if (c.fix.covariance.diagonal().maxCoeff() > options.max_sigma_m * options.max_sigma_m)
-    missing.emplace_back("uncertain_centre");
+  const double allowed = std::max(options.max_sigma_m, kSigmaShare * c.size_m);
+  if (c.fix.covariance.diagonal().maxCoeff() > allowed * allowed) missing.emplace_back("uncertain_centre");
   if (rare) missing.emplace_back("rarely_seen");
   if (missing.empty()) {
     t.state = TargetState::converged;
@@ -131,6 +133,29 @@ Output leftover_target(const PreparedBoxes& prepared, const PointsTracker& track
     out.target.reasons.emplace_back("inconsistent_boxes");
   }
   return out;
+}
+
+// Gates too narrow for the survey's real errors cost targets: the consensus is repeated with errors as the residuals
+// show them. What remains of the scale, below 1 too, goes into the covariances alone.
+void adapt_noise(PreparedBoxes& prepared, const DepthPrior& depth, const PointsTracker& tracker,
+                 const LocateOptions& options, const base::RunContext& ctx, Consensus& consensus, double& total) {
+  constexpr int kRounds = 2;
+  constexpr double kNegligible = 1.25, kMostAtOnce = 4.0;
+  for (int round = 0; round < kRounds; ++round) {
+    const double factor = std::min(noise_scale(prepared, consensus).value_or(1.0), kMostAtOnce);
+    if (factor < kNegligible) break;
+    total *= factor;
+    for (auto& frame : prepared.frames) {
+      frame.sigma_xy_m *= factor;
+      frame.sigma_z_m *= factor;
+      frame.sigma_rot_rad *= factor;
+    }
+    for (auto& box : prepared.boxes) box.sigma_px *= factor;
+    consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+  }
+  const double rest = noise_scale(prepared, consensus).value_or(1.0);
+  total *= rest;
+  for (auto& c : consensus.candidates) c.fix.covariance *= rest * rest;
 }
 
 void collect(const PreparedBoxes& prepared, std::vector<Output> outputs, LocateResult& result) {
@@ -188,7 +213,9 @@ LocateResult locate(const survey::Survey& survey, const LocateOptions& given, ba
   if (mode_of(options) == Mode::paper) {
     for (const auto& live : tracker.targets()) outputs.push_back(paper_target(prepared, live));
   } else {
-    const Consensus consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+    Consensus consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+    if (options.estimate_noise)
+      adapt_noise(prepared, depth, tracker, options, ctx, consensus, result.counts.noise_scale);
     result.counts.merged = consensus.merged;
     result.counts.recovered = consensus.recovered;
     result.counts.moved_boxes = consensus.moved;

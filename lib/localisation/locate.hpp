@@ -33,7 +33,8 @@ struct LocateCounts {
   std::size_t frames = 0;                                                      // with a usable pose
   std::size_t generated = 0, converging = 0, converged = 0, deregistered = 0;  // targets by final state
   std::size_t merged = 0, recovered = 0, moved_boxes = 0;                      // by the consensus (robust)
-  std::string depth_source;                                                    // where the depth ranges come from
+  double noise_scale = 1.0;  // factor that the residuals put on the assumed errors (robust)
+  std::string depth_source;  // where the depth ranges come from
 };
 
 struct LocateResult {

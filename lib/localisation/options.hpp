@@ -48,13 +48,15 @@ struct LocateOptions {
   // Final centre (robust).
   double sigma_px = 3.0;          // box centre, per axis, 1 sigma
   double sigma_size = 0.05;       // the same as a fraction of the box's mean side, added in square
+  bool estimate_noise = true;     // scale all these sigmas by what the residuals of the whole survey say
   double pose_sigma_m = -1.0;     // 1 sigma of a camera position relative to its neighbours; -1 = what the frames say
   double pose_sigma_deg = -1.0;   // the same for its rotation
   double box_gate = 3.5;          // boxes farther from the projected centre [sigmas] are outliers
   std::int64_t min_boxes = 3;     // consistent boxes of a converged target
   double min_hit_ratio = 0.34;    // of the frames that should show a target, the share that must
   double min_parallax_deg = 2.0;  // largest angle between two of its rays
-  double max_sigma_m = 0.5;       // largest standard deviation of a converged centre, any axis
+  double max_sigma_m =
+      0.5;  // largest standard deviation of a converged centre, any axis; a quarter of the size where that is more
 
   void visit(base::OptionVisitor& visitor);
 };

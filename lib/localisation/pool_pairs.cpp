@@ -18,7 +18,7 @@ struct Extent {
 
 struct Hypothesis {
   double support = 0.0;
-  Vec3 point;
+  Meeting at;
   double size_m = 0.0;
   std::size_t first = 0, second = 0;  // boxes
   // Order of the queue: greatest support first, then the lower boxes.
@@ -72,10 +72,21 @@ std::pair<Vec3, Vec3> BoxJudge::ends(std::size_t b) const {
 }
 
 bool BoxJudge::fit(Candidate& c) const {
+  return adopt(c, triangulate(sightings(c), {.gate = options_.box_gate, .least = 2}));
+}
+
+bool BoxJudge::fit_from(const Vec3& start, Candidate& c) const {
+  return adopt(c, triangulate_from(start, sightings(c), {.gate = options_.box_gate, .least = 2}));
+}
+
+std::vector<Sighting> BoxJudge::sightings(Candidate& c) const {
   std::sort(c.boxes.begin(), c.boxes.end());
-  std::vector<Sighting> sightings;
-  for (const std::size_t b : c.boxes) sightings.push_back(sighting(b));
-  const auto fix = triangulate(sightings, {.gate = options_.box_gate, .least = 2});
+  std::vector<Sighting> result;
+  for (const std::size_t b : c.boxes) result.push_back(sighting(b));
+  return result;
+}
+
+bool BoxJudge::adopt(Candidate& c, const std::optional<Triangulation>& fix) const {
   if (!fix) return false;
   std::vector<std::size_t> kept;
   std::vector<double> sizes;
@@ -131,15 +142,15 @@ std::vector<Candidate> candidates_from_pool(const PreparedBoxes& prepared, const
   std::map<std::size_t, std::vector<std::size_t>> near;  // of each box, the boxes its ray may meet
   std::priority_queue<Hypothesis> queue;
   const auto meet = [&](std::size_t i, std::size_t j) {
-    const auto point = intersect(judge.sighting(i), judge.sighting(j));
-    if (!point || !judge.in_depth_range(i, *point) || !judge.in_depth_range(j, *point)) return;
-    const double si = judge.size(i, *point), sj = judge.size(j, *point);
+    const auto at = intersect(judge.sighting(i), judge.sighting(j));
+    if (!at || !judge.in_depth_range(i, at->point) || !judge.in_depth_range(j, at->point)) return;
+    const double si = judge.size(i, at->point), sj = judge.size(j, at->point);
     if (!judge.like_size(si, sj)) return;
-    const auto di = squared_distance(judge.sighting(i), *point, Mat3::Zero());
-    const auto dj = squared_distance(judge.sighting(j), *point, Mat3::Zero());
+    const auto di = squared_distance(judge.sighting(i), at->point, Mat3::Zero());
+    const auto dj = squared_distance(judge.sighting(j), at->point, Mat3::Zero());
     if (!di || !dj || *di > gate2 || *dj > gate2) return;
     // 2 + pool size bounds the support, so that every hypothesis is scored once before it can win.
-    queue.push({static_cast<double>(pool.size() + 2), *point, 0.5 * (si + sj), std::min(i, j), std::max(i, j)});
+    queue.push({static_cast<double>(pool.size() + 2), *at, 0.5 * (si + sj), std::min(i, j), std::max(i, j)});
   };
   for (std::size_t i = 0; i < extents.size(); ++i)
     for (std::size_t j = i + 1; j < extents.size() && extents[j].west <= extents[i].east; ++j) {
@@ -155,25 +166,29 @@ std::vector<Candidate> candidates_from_pool(const PreparedBoxes& prepared, const
 
   std::vector<bool> free(prepared.boxes.size(), false);
   for (const std::size_t b : pool) free[b] = true;
-  const auto supporters = [&](const Hypothesis& h, double* support) {
+  // The free boxes that agree with a hypothesis, the nearest of each frame, and the point they make together.
+  const auto elect = [&](const Hypothesis& h, double* support) -> std::optional<Candidate> {
     std::map<std::size_t, std::pair<double, std::size_t>> best;  // per frame
     const auto consider = [&](std::size_t b) {
-      if (!free[b] || !judge.fits_size(b, h.point, h.size_m)) return;
-      const auto d2 = squared_distance(judge.sighting(b), h.point, Mat3::Zero());
+      if (!free[b] || !judge.fits_size(b, h.at.point, h.size_m)) return;
+      const bool own = b == h.first || b == h.second;
+      const auto d2 = squared_distance(judge.sighting(b), h.at.point, own ? Mat3(Mat3::Zero()) : h.at.covariance);
       if (!d2 || *d2 > gate2) return;
-      const std::pair<double, std::size_t> entry(*d2, b);
+      const std::pair<double, std::size_t> entry(own ? 0.0 : *d2, b);
       const auto [at, fresh] = best.try_emplace(prepared.boxes[b].frame, entry);
       if (!fresh) at->second = std::min(at->second, entry);
     };
     consider(h.first);
     for (const std::size_t b : near[h.first]) consider(b);
-    std::vector<std::size_t> boxes;
+    Candidate c;
+    c.object_class = prepared.boxes[h.first].object_class;
+    for (const auto& [frame, entry] : best) c.boxes.push_back(entry.second);
+    if (c.boxes.size() < 2 || !judge.fit_from(h.at.point, c)) return std::nullopt;
     *support = 0.0;
-    for (const auto& [frame, entry] : best) {
-      *support += 1.0 - entry.first / gate2;
-      boxes.push_back(entry.second);
-    }
-    return boxes;
+    for (const std::size_t b : c.boxes)
+      if (const auto d2 = squared_distance(judge.sighting(b), c.fix.centre, Mat3::Zero()))
+        *support += 1.0 - *d2 / gate2;
+    return c;
   };
 
   // Support only falls as boxes are taken: a hypothesis whose score still stands when it reaches the top is the best.
@@ -183,19 +198,15 @@ std::vector<Candidate> candidates_from_pool(const PreparedBoxes& prepared, const
     queue.pop();
     if (!free[h.first] || !free[h.second]) continue;
     double support = 0.0;
-    const auto boxes = supporters(h, &support);
-    if (boxes.size() < 2) continue;
+    auto c = elect(h, &support);
+    if (!c) continue;
     if (support < h.support) {
       h.support = support;
       queue.push(h);
       continue;
     }
-    Candidate c;
-    c.object_class = prepared.boxes[h.first].object_class;
-    c.boxes = boxes;
-    if (!judge.fit(c)) continue;
-    for (const std::size_t b : c.boxes) free[b] = false;
-    found.push_back(std::move(c));
+    for (const std::size_t b : c->boxes) free[b] = false;
+    found.push_back(std::move(*c));
   }
   return found;
 }

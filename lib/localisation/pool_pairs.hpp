@@ -18,6 +18,8 @@ class BoxJudge {
   // Triangulates the candidate's boxes, keeps the consistent ones (sorted) and sets fix and size. False where fewer
   // than two are left or the point leaves the depth range of most of them.
   [[nodiscard]] bool fit(Candidate& candidate) const;
+  // The same from a start, without the search over pairs.
+  [[nodiscard]] bool fit_from(const geometry::Vec3& start, Candidate& candidate) const;
   // Squared distance [sigmas^2] of a box to a candidate; empty where class or size do not fit.
   [[nodiscard]] std::optional<double> distance(const Candidate& candidate, std::size_t box) const;
   // Size [m] an object at `point` has if it fills the box.
@@ -32,6 +34,9 @@ class BoxJudge {
   [[nodiscard]] std::pair<geometry::Vec3, geometry::Vec3> ends(std::size_t box) const;
 
  private:
+  [[nodiscard]] std::vector<Sighting> sightings(Candidate& candidate) const;
+  [[nodiscard]] bool adopt(Candidate& candidate, const std::optional<Triangulation>& fix) const;
+
   const PreparedBoxes& prepared_;
   const LocateOptions& options_;
   std::vector<DepthRange> range_;  // per box

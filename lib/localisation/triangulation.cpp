@@ -62,11 +62,12 @@ std::optional<double> squared_norm(const Vec2& value, const Mat2& covariance) {
   return d;
 }
 
-std::vector<bool> agreeing(std::span<const Sighting> sightings, const Vec3& point, double gate, double* cost) {
+// Which sightings lie within the gate of a point of the given covariance. cost: sum of squared distances, capped.
+std::vector<bool> agreeing(std::span<const Sighting> sightings, const Meeting& at, double gate, double* cost) {
   std::vector<bool> inlier(sightings.size(), false);
   *cost = 0.0;
   for (std::size_t i = 0; i < sightings.size(); ++i) {
-    const auto d = squared_distance(sightings[i], point, Mat3::Zero());
+    const auto d = squared_distance(sightings[i], at.point, at.covariance);
     inlier[i] = d && *d <= gate * gate;
     *cost += inlier[i] ? *d : gate * gate;
   }
@@ -132,7 +133,7 @@ std::optional<double> squared_distance(const Sighting& sighting, const Vec3& poi
   return squared_norm(r->value, r->covariance + r->jacobian * covariance * r->jacobian.transpose());
 }
 
-std::optional<Vec3> intersect(const Sighting& a, const Sighting& b) {
+std::optional<Meeting> intersect(const Sighting& a, const Sighting& b) {
   const Vec3 oa = a.frame->view.T_world_camera.translation, ob = b.frame->view.T_world_camera.translation;
   const Vec3 da = a.frame->view.direction(a.centre_px).normalized();
   const Vec3 db = b.frame->view.direction(b.centre_px).normalized();
@@ -142,9 +143,18 @@ std::optional<Vec3> intersect(const Sighting& a, const Sighting& b) {
   const double ta = (between.dot(da) - c * between.dot(db)) / s2;
   const double tb = (c * between.dot(da) - between.dot(db)) / s2;
   if (!(ta > 0.0 && tb > 0.0)) return std::nullopt;
-  const Vec3 point = 0.5 * (oa + ta * da + ob + tb * db);
-  if (!point.allFinite()) return std::nullopt;
-  return point;
+  Meeting meeting;
+  meeting.point = 0.5 * (oa + ta * da + ob + tb * db);
+  if (!meeting.point.allFinite()) return std::nullopt;
+  Mat3 information = Mat3::Zero();
+  for (const Sighting* s : {&a, &b}) {
+    const auto r = residual(*s, meeting.point);
+    if (!r) return std::nullopt;
+    information += r->jacobian.transpose() * r->covariance.inverse() * r->jacobian;
+  }
+  if (!invertible(information)) return std::nullopt;
+  meeting.covariance = information.inverse();
+  return meeting;
 }
 
 std::optional<Triangulation> triangulate(std::span<const Sighting> sightings, const TriangulationOptions& options) {
@@ -156,31 +166,41 @@ std::optional<Triangulation> triangulate(std::span<const Sighting> sightings, co
   const std::size_t pairs = n * (n - 1) / 2;
   const std::size_t stride = (pairs + kMostPairs - 1) / kMostPairs;
   std::optional<Vec3> start;
-  std::vector<bool> inlier;
   double best = 0.0;
   std::size_t pair = 0;
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = i + 1; j < n; ++j, ++pair) {
       if (pair % stride != 0 || sightings[i].cut || sightings[j].cut) continue;
-      const auto point = intersect(sightings[i], sightings[j]);
-      if (!point) continue;
+      const auto meeting = intersect(sightings[i], sightings[j]);
+      if (!meeting) continue;
+      // The pair itself must agree without the benefit of its own uncertainty.
+      const auto di = squared_distance(sightings[i], meeting->point, Mat3::Zero());
+      const auto dj = squared_distance(sightings[j], meeting->point, Mat3::Zero());
+      if (!di || !dj || *di > options.gate * options.gate || *dj > options.gate * options.gate) continue;
       double cost = 0.0;
-      auto agree = agreeing(sightings, *point, options.gate, &cost);
-      if (!start || cost < best) {
-        start = point;
+      const auto agree = agreeing(sightings, *meeting, options.gate, &cost);
+      if (start && cost >= best) continue;
+      if (const auto solution = solve(sightings, agree, meeting->point)) {
+        start = solution->point;
         best = cost;
-        inlier = std::move(agree);
       }
     }
   if (!start) return std::nullopt;
+  return triangulate_from(*start, sightings, options);
+}
 
+std::optional<Triangulation> triangulate_from(const Vec3& start, std::span<const Sighting> sightings,
+                                              const TriangulationOptions& options) {
+  const std::size_t n = sightings.size();
+  const std::size_t least = std::max<std::size_t>(2, options.least);
+  double cost = 0.0;
+  std::vector<bool> inlier = agreeing(sightings, {start, Mat3::Zero()}, options.gate, &cost);
   std::optional<Solution> solution;
   for (int round = 0; round < 3; ++round) {
     if (whole(sightings, inlier) < least) return std::nullopt;
-    solution = solve(sightings, inlier, solution ? solution->point : *start);
+    solution = solve(sightings, inlier, solution ? solution->point : start);
     if (!solution) return std::nullopt;
-    double cost = 0.0;
-    auto again = agreeing(sightings, solution->point, options.gate, &cost);
+    auto again = agreeing(sightings, {solution->point, Mat3::Zero()}, options.gate, &cost);
     if (again == inlier) break;
     inlier = std::move(again);
   }

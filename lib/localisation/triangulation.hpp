@@ -39,15 +39,25 @@ struct Triangulation {
                                                      const geometry::Mat3& covariance);
 
 // Robust least squares in pixels. Start: of all pairs of sightings (at most 60, spread evenly) the
-// intersection that most sightings agree with; then Gauss-Newton with Huber's weights on those, twice
-// re-selected by the gate. Each sighting's error is sigma_px plus the camera's position and
-// rotation errors, taken as independent between frames.
-// Empty where fewer than `least` agree, or the rays are so nearly parallel that the normal matrix is singular.
+// intersection that most sightings agree with, its own uncertainty allowed for; then Gauss-Newton with Huber's weights
+// on those, twice re-selected by the gate. Each sighting's error is sigma_px plus the camera's position and rotation
+// errors, taken as independent between frames. Empty where fewer than `least` agree, or the rays are so nearly parallel
+// that the normal matrix is singular.
 [[nodiscard]] std::optional<Triangulation> triangulate(std::span<const Sighting> sightings,
                                                        const TriangulationOptions& options);
 
-// The point nearest to two rays given by sightings. Empty for rays closer than 0.05 deg to parallel, and
-// for points behind a camera.
-[[nodiscard]] std::optional<geometry::Vec3> intersect(const Sighting& a, const Sighting& b);
+// The same from a given start, without the search over pairs.
+[[nodiscard]] std::optional<Triangulation> triangulate_from(const geometry::Vec3& start,
+                                                            std::span<const Sighting> sightings,
+                                                            const TriangulationOptions& options);
+
+// Where two rays pass nearest, and how well two sightings alone fix that point.
+struct Meeting {
+  geometry::Vec3 point = geometry::Vec3::Zero();
+  geometry::Mat3 covariance = geometry::Mat3::Zero();
+};
+
+// Empty for rays closer than 0.05 deg to parallel, and for points behind a camera.
+[[nodiscard]] std::optional<Meeting> intersect(const Sighting& a, const Sighting& b);
 
 }  // namespace cairn::localisation
