@@ -14,10 +14,10 @@ namespace cairn::adjustment {
 
 struct MatchOptions {
   std::int64_t max_width_px = 1000;    // images wider than this are shrunk first (by area)
-  std::int64_t max_features = 1200;    // strongest kept per image
+  std::int64_t max_features = 2000;    // strongest kept per image
   double ratio = 0.8;                  // Lowe's ratio: best distance / second best
   double ransac_px_per_width = 0.006;  // inlier distance of the homography, as a fraction of the image width
-  std::int64_t min_inliers = 20;       // fewer: no matches are returned for the pair
+  std::int64_t min_inliers = 15;       // fewer: no matches are returned for the pair
 
   void visit(base::OptionVisitor& v) {
     v.integer("match-max-width-px", max_width_px, 200, 20000, "images are shrunk to this width before matching [px]");
@@ -37,7 +37,7 @@ struct PixelMatch {
 // SIFT (Lowe 2004), ratio test both ways, and a homography by RANSAC (ground seen from above is nearly a
 // plane); the homography's inliers are returned in the order of the features of image a. One result a
 // pair, empty where the images do not match. The same on every run.
-// Cost: about 0.1 s an image and 0.02 s a pair at the defaults on one core.
+// Cost: about 0.25 s an image and 0.05 s a pair at the defaults on one core.
 [[nodiscard]] std::vector<std::vector<PixelMatch>> match_images(
     std::span<const geometry::GreyImage> images, std::span<const std::pair<std::size_t, std::size_t>> pairs,
     const MatchOptions& options = {});

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
 
 #include "base/angle.hpp"
 #include "base/error.hpp"
@@ -22,6 +23,7 @@ using geometry::Vec3;
 
 constexpr std::size_t kTilesAtOnce = 512;  // between two looks at the stop flag
 constexpr float kLargest = std::numeric_limits<float>::max();
+constexpr float kLeastCosine = 1e-7F;  // keeps the sampling distance of a grazing view finite
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 enum class Side { outside, inside, across };
@@ -37,14 +39,6 @@ Side side_of(const ViewFrustum& view, const FacetTile& tile) {
   return Side::inside;
 }
 
-// A view that sees a facet of the tile.
-struct Sighting {
-  std::uint16_t local = 0;  // facet's place in the tile
-  float x = 0.0F, y = 0.0F, z = 0.0F;
-  float gsd_mm = 0.0F;
-  float versine = 0.0F;  // 1 - cos(incidence): keeps its digits near normal incidence
-};
-
 // The facets of one tile, by component, and room to work in.
 class TileWork {
  public:
@@ -54,11 +48,13 @@ class TileWork {
 
   void run(const FacetTile& tile) {
     load(tile);
-    sightings_.clear();
+    candidates_.clear();
     for (const ViewFrustum& view : views_) {
       const Side side = side_of(view, tile);
-      if (side != Side::outside) look(view, side);
+      if (side != Side::outside) candidates_.emplace_back(&view, side);
     }
+    if (options_.metrics) reserve_lines();
+    for (const auto& [view, side] : candidates_) look(*view, side);
     for (std::size_t k = 0; k < count_; ++k) {
       const std::uint32_t facet = facet_[k];
       out_.views[facet] = seen_[k];
@@ -103,11 +99,11 @@ class TileWork {
     if (n == 0) return;
     rays_ += n;
     scene_.blocked_from(view.centre, std::span(target_).first(n), std::span(blocked_).first(n), options_.end_gap);
-    for (std::size_t i = 0; i < n; ++i) {
-      if (blocked_[i] != 0) continue;
-      ++seen_[local_[i]];
-      if (options_.metrics) note(view, local_[i]);
-    }
+    std::size_t visible = 0;
+    for (std::size_t i = 0; i < n; ++i)
+      if (blocked_[i] == 0) local_[visible++] = local_[i];
+    if (options_.metrics) note(view, visible);
+    for (std::size_t i = 0; i < visible; ++i) ++seen_[local_[i]];
   }
 
   // inside_: not outside the frustum's planes; faces_: turned to the camera. Plain loops over components, so that
@@ -130,41 +126,59 @@ class TileWork {
     }
   }
 
-  void note(const ViewFrustum& view, std::uint16_t k) {
-    const Vec3 d(view.centre.x() - cx_[k], view.centre.y() - cy_[k], view.centre.z() - cz_[k]);
-    const double range = d.norm();
-    const Vec3 line = d / range;
-    const double cosine = std::clamp(line.x() * nx_[k] + line.y() * ny_[k] + line.z() * nz_[k], 0.0, 1.0);
-    const Vec3 p = view.R_camera_world * (-d);
-    const survey::Camera& camera = view.bounds->camera;
-    const double magnification = view.bounds->exact ? 1.0 : view.bounds->magnification(p.x() / p.z(), p.y() / p.z());
-    const double area = p.z() * p.z() * p.z() / (range * camera.fx_px * camera.fy_px * magnification * cosine);
-    constexpr double kMillimetres = 1000.0;
-    sightings_.push_back({k, static_cast<float>(line.x()), static_cast<float>(line.y()), static_cast<float>(line.z()),
-                          static_cast<float>(kMillimetres * std::sqrt(area)), static_cast<float>(1.0 - cosine)});
+  // A row of sight lines for each facet, as long as the list of views that may see it.
+  void reserve_lines() {
+    stride_ = candidates_.size();
+    for (auto* column : {&x_, &y_, &z_, &gsd_, &versine_}) column->resize(count_ * stride_);
   }
 
-  // Groups the sightings by facet (a counting sort keeps the views' order) and reduces each group.
-  void measure() {
-    std::array<std::uint32_t, kTileFacets + 1> first{};
-    for (std::size_t k = 0; k < count_; ++k) first[k + 1] = first[k] + seen_[k];
-    const std::size_t total = sightings_.size();
-    x_.resize(total);
-    y_.resize(total);
-    z_.resize(total);
-    gsd_.resize(total);
-    versine_.resize(total);
-    auto next = first;
-    for (const Sighting& s : sightings_) {
-      const std::uint32_t at = next[s.local]++;
-      x_[at] = s.x;
-      y_[at] = s.y;
-      z_[at] = s.z;
-      gsd_[at] = s.gsd_mm;
-      versine_[at] = s.versine;
+  // Adds this view to the rows of the facets local_[0..n).
+  void note(const ViewFrustum& view, std::size_t n) {
+    const survey::Camera& camera = view.bounds->camera;
+    const Eigen::Vector3f depth = view.R_camera_world.row(2).cast<float>();
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::uint16_t k = local_[i];
+      dx_[i] = static_cast<float>(view.centre.x() - cx_[k]);
+      dy_[i] = static_cast<float>(view.centre.y() - cy_[k]);
+      dz_[i] = static_cast<float>(view.centre.z() - cz_[k]);
+      mx_[i] = static_cast<float>(nx_[k]);
+      my_[i] = static_cast<float>(ny_[k]);
+      mz_[i] = static_cast<float>(nz_[k]);
     }
+    constexpr double kMillimetres = 1000.0;
+    const auto scale = static_cast<float>(kMillimetres / std::sqrt(camera.fx_px * camera.fy_px));
+    for (std::size_t i = 0; i < n; ++i) {
+      const float inverse = 1.0F / std::sqrt(dx_[i] * dx_[i] + dy_[i] * dy_[i] + dz_[i] * dz_[i]);
+      const float z = -(depth.x() * dx_[i] + depth.y() * dy_[i] + depth.z() * dz_[i]);
+      lx_[i] = dx_[i] * inverse;
+      ly_[i] = dy_[i] * inverse;
+      lz_[i] = dz_[i] * inverse;
+      // Half the squared chord from normal to sight line: keeps its digits near normal incidence.
+      const float ex = lx_[i] - mx_[i], ey = ly_[i] - my_[i], ez = lz_[i] - mz_[i];
+      const float versine = 0.5F * (ex * ex + ey * ey + ez * ez);
+      const float cosine = 1.0F - versine > kLeastCosine ? 1.0F - versine : kLeastCosine;
+      lv_[i] = versine;
+      lg_[i] = scale * std::sqrt(z * z * z * inverse / cosine);
+    }
+    if (!view.bounds->exact)
+      for (std::size_t i = 0; i < n; ++i) {
+        const std::uint16_t k = local_[i];
+        const Vec3 p = view.R_camera_world * (Vec3(cx_[k], cy_[k], cz_[k]) - view.centre);
+        lg_[i] /= static_cast<float>(std::sqrt(view.bounds->magnification(p.x() / p.z(), p.y() / p.z())));
+      }
+    for (std::size_t i = 0; i < n; ++i) {
+      const std::size_t at = local_[i] * stride_ + seen_[local_[i]];
+      x_[at] = lx_[i];
+      y_[at] = ly_[i];
+      z_[at] = lz_[i];
+      gsd_[at] = lg_[i];
+      versine_[at] = lv_[i];
+    }
+  }
+
+  void measure() {
     for (std::size_t k = 0; k < count_; ++k)
-      if (seen_[k] > 0) reduce(facet_[k], first[k], seen_[k]);
+      if (seen_[k] > 0) reduce(facet_[k], k * stride_, seen_[k]);
   }
 
   void reduce(std::uint32_t facet, std::size_t begin, std::size_t n) {
@@ -201,7 +215,9 @@ class TileWork {
   std::array<std::uint8_t, kTileFacets> inside_{}, faces_{}, blocked_{};
   std::array<std::uint16_t, kTileFacets> local_{};
   std::array<Vec3, kTileFacets> target_;
-  std::vector<Sighting> sightings_;
+  std::array<float, kTileFacets> dx_{}, dy_{}, dz_{}, mx_{}, my_{}, mz_{}, lx_{}, ly_{}, lz_{}, lv_{}, lg_{};
+  std::vector<std::pair<const ViewFrustum*, Side>> candidates_;
+  std::size_t stride_ = 0;
   std::vector<float> x_, y_, z_, gsd_, versine_;
   SightLines scratch_;
 };

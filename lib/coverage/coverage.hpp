@@ -50,7 +50,7 @@ struct FacetCoverage {
 // (from a table, relative error below 1e-3). Angles: exact to single precision (1e-4 deg). Parallax: the exact
 // largest of all pairs; pairs that cannot be the largest are left out (a ball about the best pair found so far).
 //
-// Facets are sorted into tiles of 256; a view is asked only about tiles its frustum meets, and rays to
+// Facets are sorted into tiles of 128; a view is asked only about tiles its frustum meets, and rays to
 // neighbours travel together. Cost: tiles x views + rays x log(facets); memory: 50 bytes a facet.
 // Results do not depend on threads. Throws invalid_argument for options out of range, invalid_input for a view
 // without camera or with a pose that is not finite.

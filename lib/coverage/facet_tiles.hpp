@@ -9,7 +9,7 @@
 
 namespace cairn::coverage {
 
-inline constexpr std::size_t kTileFacets = 256;
+inline constexpr std::size_t kTileFacets = 128;
 
 struct FacetTile {
   std::size_t begin = 0, end = 0;  // range in FacetTiles::order

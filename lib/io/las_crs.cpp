@@ -114,6 +114,10 @@ std::vector<LasRecord> take_crs(std::vector<LasRecord> records, LasMetadata& m, 
     m.vertical_crs_code = is_code(keys.vertical) ? vertical_crs(keys.vertical) : 0;
     m.crs = crs_of(keys, m.vertical_crs_code);
   }
+  if (!wkt.empty() && wkt.find('[') == std::string::npos) {
+    warnings.emplace_back("the WKT record holds no WKT text");
+    wkt.clear();
+  }
   // The WKT bit decides; without it WKT serves where the keys name no code.
   if (!wkt.empty() && (says_wkt || m.crs.empty())) m.crs = wkt;
   if (m.crs.empty() && !loose_wkt.empty()) m.crs = loose_wkt;

@@ -86,6 +86,8 @@ struct LasReader::Impl {
     facts.format = "LAS";
     facts.version = "1." + std::to_string(m.minor_version) + ", point format " + std::to_string(m.point_format);
     facts.crs = m.crs;
+    facts.horizontal_unit_m = las_unit_metres(m.linear_unit_code);
+    facts.vertical_unit_m = las_unit_metres(m.vertical_unit_code);
     facts.declared_points = m.point_count;
   }
   InputFile file;

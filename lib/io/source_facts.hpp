@@ -14,6 +14,9 @@ struct SourceFacts {
   std::string format;   // "LAS", "PLY", "PCD", "OBJ", "XYZ", "STL", "GLB", ...
   std::string version;  // of the format, with its flavour: "1.2, point format 3", "1.0, ascii"
   std::string crs;      // "EPSG:32615", WKT, or "" where the file declares none
+  // Length of a unit as the file states it beside the CRS [m]; 0 = not stated. Where it contradicts the
+  // CRS, nobody knows the unit: that is an error of the file.
+  double horizontal_unit_m = 0.0, vertical_unit_m = 0.0;
   std::vector<std::string> comments;
   std::uint64_t declared_points = 0;  // points or vertices in the file
   std::uint64_t declared_faces = 0;   // polygons in the file, before they are cut into triangles
