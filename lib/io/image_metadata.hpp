@@ -15,13 +15,6 @@ struct ImageSize {
   friend bool operator==(const ImageSize&, const ImageSize&) = default;
 };
 
-// Size from the file's own header (JPEG frame header, PNG IHDR), in the raw, un-rotated raster: EXIF
-// sizes are not trusted, as they outlive a resize. Reads headers only. Throws not_found, or
-// invalid_input with the byte offset for a file that is cut off or neither JPEG nor PNG.
-[[nodiscard]] ImageSize read_image_size(const std::filesystem::path& path);
-// The same from memory; `name` stands for the file.
-[[nodiscard]] ImageSize image_size_of(std::string_view bytes, std::string_view name);
-
 // XMP namespace drone-dji, attribute or element form. Angles as written: NED, order ZYX, degrees.
 struct DjiMetadata {
   std::optional<double> gimbal_yaw_deg, gimbal_pitch_deg, gimbal_roll_deg;
@@ -33,6 +26,7 @@ struct DjiMetadata {
   std::optional<double> latitude_deg, longitude_deg;  // of newer models; else EXIF only
   std::string altitude_type;                          // "RtkAlt", "GpsFusionAlt"; "" = not said
   std::string dewarp_data;                            // "date;fx,fy,cx,cy,k1,k2,p1,p2,k3", cx, cy from the photo centre
+  bool dewarped = false;                              // DewarpFlag: the camera took the distortion out itself
   bool camera_reversed = false;                       // CamReverse
 };
 
@@ -55,7 +49,7 @@ struct ImageMetadata {
 // longitude is out of range. Missing tags are empty fields; rationals with denominator 0 count as
 // missing. Files above 1 GiB are refused.
 [[nodiscard]] ImageMetadata read_image_metadata(const std::filesystem::path& path);
-// The same from memory; `name` stands for the file.
+// The metadata alone, from memory: `size` stays 0 x 0; `name` stands for the file.
 [[nodiscard]] ImageMetadata image_metadata_of(std::string_view bytes, std::string_view name);
 
 }  // namespace cairn::io

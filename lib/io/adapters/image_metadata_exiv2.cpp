@@ -11,6 +11,7 @@
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "base/time.hpp"
+#include "io/image.hpp"
 #include "io/image_metadata.hpp"
 
 namespace cairn::io {
@@ -150,6 +151,7 @@ DjiMetadata dji_of(const Tags& tags) {
   if (!d.longitude_deg) d.longitude_deg = tags.dji_real("GpsLongtitude");  // as some firmware spells it
   d.altitude_type = tags.dji_text("AltitudeType");
   d.dewarp_data = tags.dji_text("DewarpData");
+  d.dewarped = base::parse_integer(tags.dji_text("DewarpFlag")).value_or(0) == 1;
   d.camera_reversed = base::parse_integer(tags.dji_text("CamReverse")).value_or(0) == 1;
   return d;
 }
@@ -209,22 +211,22 @@ ImageMetadata guarded(Open&& open, const ImageSize& size, std::string_view name)
 }  // namespace
 
 ImageMetadata read_image_metadata(const std::filesystem::path& path) {
-  const ImageSize size = read_image_size(path);
+  const ImageHeader header = read_image_header(path);
   constexpr std::uintmax_t kMaxBytes = std::uintmax_t{1} << 30;
   std::error_code code;
   if (std::filesystem::file_size(path, code) > kMaxBytes)
     throw Error(ErrorCode::invalid_input, "image file too large").file(path.string()).allowed("at most 1 GiB");
-  return guarded([&] { return Exiv2::ImageFactory::open(path.string()); }, size, path.string());
+  return guarded([&] { return Exiv2::ImageFactory::open(path.string()); }, {header.width_px, header.height_px},
+                 path.string());
 }
 
 ImageMetadata image_metadata_of(std::string_view bytes, std::string_view name) {
-  const ImageSize size = image_size_of(bytes, name);
   return guarded(
       [&] {
         const auto* data = static_cast<const Exiv2::byte*>(static_cast<const void*>(bytes.data()));
         return Exiv2::ImageFactory::open(data, static_cast<long>(bytes.size()));
       },
-      size, name);
+      {}, name);
 }
 
 }  // namespace cairn::io
