@@ -54,6 +54,13 @@ function(cairn_module)
   endif()
   add_library(${_target} STATIC ${M_SOURCES} ${_heavy_objects})
   add_library(cairn::${_id} ALIAS ${_target})
+  if(CAIRN_PARSERS_ONLY)
+    # The tests and fuzz targets pull in what they need; the rest stays unbuilt.
+    set_target_properties(${_target} PROPERTIES EXCLUDE_FROM_ALL ON)
+    if(M_HEAVY)
+      set_target_properties(${_target}_heavy PROPERTIES EXCLUDE_FROM_ALL ON)
+    endif()
+  endif()
   target_sources(${_target} PUBLIC FILE_SET HEADERS BASE_DIRS "${PROJECT_SOURCE_DIR}/lib"
                  FILES ${M_HEADERS})
   target_link_libraries(${_target} PRIVATE $<BUILD_INTERFACE:cairn_options>)

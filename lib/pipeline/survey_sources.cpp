@@ -8,7 +8,7 @@
 #include "base/parallel.hpp"
 #include "geodesy/crs.hpp"
 #include "geodesy/local_frame.hpp"
-#include "io/las.hpp"
+#include "io/cloud.hpp"
 #include "io/survey_folder.hpp"
 
 namespace cairn::pipeline {
@@ -48,7 +48,7 @@ SurveyCloud load_cloud(const fs::path& survey_folder, const survey::Survey& surv
         .hint("Import it again with --cloud");
   SurveyCloud result;
   result.path = io::resolve_reference(source->path, survey_folder);
-  io::LasCloud data = io::read_las(result.path);
+  io::CloudFile data = io::read_cloud(result.path);
   if (data.cloud.empty())
     throw Error(ErrorCode::invalid_input, "the cloud has no points").file(result.path.string()).allowed("at least 1");
   for (const auto& warning : data.facts.warnings) ctx.warn(result.path.filename().string() + ": " + warning);

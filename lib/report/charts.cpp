@@ -16,7 +16,7 @@ std::string num(double value, int decimals = 2) {
 }
 
 std::string percent(double fraction) {
-  return num(100.0 * fraction, fraction < 0.1 ? 1 : 0) + "\u2009%";
+  return num(100.0 * fraction, fraction < 0.1 ? 1 : 0) + "\u202f%";
 }
 
 }  // namespace
@@ -55,7 +55,7 @@ Html polar_chart(std::span<const double> values, double critical_deg) {
           .attr("x", 2.0)
           .attr("y", -kRadius * ring / 4.0 - 2.0)
           .raw(">")
-          .text(num(limit * ring / 4.0, 4) + (ring == 4 ? "\u2009g" : ""))
+          .text(num(limit * ring / 4.0, 4) + (ring == 4 ? "\u202fg" : ""))
           .raw("</text>");
   }
   for (int a = 0; a < 360; a += 30) {
@@ -118,9 +118,9 @@ Html histogram_chart(const Histogram& histogram) {
         .attr("y", kTop + kHeight - height)
         .attr("height", height)
         .raw("><title>");
-    const std::string unit = histogram.unit.empty() ? "" : "\u2009" + histogram.unit;
+    const std::string unit = histogram.unit.empty() ? "" : "\u202f" + histogram.unit;
     h.text(num(from) + " to " + num(to) + unit + ": " + percent(share) + " of the area, " +
-           num(histogram.areas_m2[i], 1) + "\u2009m²")
+           num(histogram.areas_m2[i], 1) + "\u202fm²")
         .raw("</title></rect>");
   }
   h.raw("<line class=\"axis\"")

@@ -86,6 +86,7 @@ Html class_symbol(const PageContext& page, std::string_view object_class) {
 }
 
 std::string fixed(double value, int decimals) {
+  if (!std::isfinite(value)) return "–";
   std::string text = base::to_fixed(value, decimals);
   if (!text.empty() && text.front() == '-') text.replace(0, 1, "\u2212");
   return text;
@@ -94,7 +95,7 @@ std::string fixed(double value, int decimals) {
 std::string grouped(std::size_t count) {
   std::string digits = std::to_string(count), out;
   for (std::size_t i = 0; i < digits.size(); ++i) {
-    if (i > 0 && (digits.size() - i) % 3 == 0) out += "\u2009";
+    if (i > 0 && (digits.size() - i) % 3 == 0) out += "\u202f";
     out += digits[i];
   }
   return out;
@@ -111,9 +112,11 @@ std::string words_of(std::string_view code) {
 }
 
 std::string latitude_text(double degrees) {
+  if (!std::isfinite(degrees)) return "–";
   return base::to_fixed(std::abs(degrees), 7) + "° " + (degrees < 0.0 ? "S" : "N");
 }
 std::string longitude_text(double degrees) {
+  if (!std::isfinite(degrees)) return "–";
   return base::to_fixed(std::abs(degrees), 7) + "° " + (degrees < 0.0 ? "W" : "E");
 }
 

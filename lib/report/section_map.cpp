@@ -90,7 +90,7 @@ void underlays(Html& svg, Html& choices, Html& legends, const PageContext& page)
       picture(svg, height_tint(shrunk(heights, max_px / 2, Merge::mean), *range),
               shrunk(heights, max_px / 2, Merge::mean).geometry, true);
       svg.raw("</g>");
-      legend_ramp(legends, "relief", height_ramp, fixed(range->lo, 1) + "\u2009m", fixed(range->hi, 1) + "\u2009m",
+      legend_ramp(legends, "relief", height_ramp, fixed(range->lo, 1) + "\u202fm", fixed(range->hi, 1) + "\u202fm",
                   "Surface height in the local frame (up), 1st to 99th percentile, shaded from the north-west.");
     }
     radio(choices, "relief", "Relief", true);
@@ -162,7 +162,7 @@ void overlays(Html& svg, const PageContext& page, double unit) {
       for (const geometry::Ring& ring : g.rings) path += ring_path(ring);
       for (const std::string& code : g.reasons) reasons += (reasons.empty() ? "" : ", ") + words_of(code);
       svg.raw("<path class=\"gap\"").attr("d", path).attr("data-gap", std::to_string(g.id)).raw("><title>");
-      svg.text("Gap " + std::to_string(g.id) + ", " + fixed(g.area_m2, 1) + "\u2009m²: " + reasons)
+      svg.text("Gap " + std::to_string(g.id) + ", " + fixed(g.area_m2, 1) + "\u202fm²: " + reasons)
           .raw("</title></path>");
     }
   }
@@ -176,7 +176,7 @@ void overlays(Html& svg, const PageContext& page, double unit) {
         .attr("r", std::max(0.05, 0.5 * o.width_m))
         .raw("><title>");
     svg.text(words_of(survey::name_of(o.kind)) + ": " + words_of(o.object_class) + " " +
-             std::to_string(o.target.value) + ", " + fixed(o.width_m, 2) + "\u2009m wide")
+             std::to_string(o.target.value) + ", " + fixed(o.width_m, 2) + "\u202fm wide")
         .raw("</title></circle></g>");
   }
   svg.raw("</g><g data-layer=\"route\">");
@@ -201,7 +201,7 @@ void overlays(Html& svg, const PageContext& page, double unit) {
         .attr("transform", "rotate(" + heading_of(f.frame) + ")")
         .raw("/></g><title>");
     svg.text((f.frame.image.empty() ? "Frame " + std::to_string(f.frame.id.value) : f.frame.image) + ", " +
-             fixed(f.frame.T_world_camera.translation.z(), 1) + "\u2009m up")
+             fixed(f.frame.T_world_camera.translation.z(), 1) + "\u202fm up")
         .raw("</title></g>");
   }
   svg.raw("</g><g data-layer=\"targets\">");
@@ -229,7 +229,7 @@ void overlays(Html& svg, const PageContext& page, double unit) {
   const double x = page.view_min.x() + 12.0 * unit, y = -page.view_min.y() - 14.0 * unit;
   svg.raw("<g class=\"static-scale\"><path").attr("d", "M" + m(x) + " " + m(y) + "h" + m(length)).raw("/><g");
   svg.attr("transform", "translate(" + m(x) + " " + m(y - 5.0 * unit) + ")").raw("><text class=\"fix\">");
-  svg.text(Html::short_number(length, 2) + "\u2009m").raw("</text></g></g>");
+  svg.text(Html::short_number(length, 2) + "\u202fm").raw("</text></g></g>");
 }
 
 void overlay_choice(Html& h, std::string_view id, std::string_view label, std::size_t count, bool checked,

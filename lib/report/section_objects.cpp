@@ -30,9 +30,7 @@ void tipping(Html& h, const survey::Rock& rock) {
   h.raw("<section class=\"tipping\"><h4>Tipping</h4>");
   // The gate of the whole report: below it nothing of the tipping figures may be written.
   if (t.grade == survey::Grade::not_measurable || !t.critical) {
-    h.raw("<div class=\"withheld\"><p><b>No tipping figure is given.</b> ")
-        .text(grade_meaning(survey::Grade::not_measurable))
-        .raw("</p>");
+    h.raw("<div class=\"withheld\"><p><b>No tipping figure is given.</b> Too little was seen of the rock or of its contact:</p>");
     reasons(h, t.reasons);
     h.raw("</div></section>");
     return;
@@ -80,13 +78,13 @@ void rock_body(Html& h, const RockView& view) {
        "long side toward " + fixed(r.length_azimuth_deg, 0) + "°");
   if (r.mass && r.cap != survey::CapModel::none) {
     fact(h, "Volume", fixed(r.mass->volume, 3), "m³",
-         std::string(cap_meaning(r.cap)) + "; hull " + fixed(r.hull_volume_m3, 3) + "\u2009m³");
+         std::string(cap_meaning(r.cap)) + "; hull " + fixed(r.hull_volume_m3, 3) + "\u202fm³");
     if (r.density_kg_m3 > 0.0)
       fact(h, "Mass", fixed(r.mass->volume * r.density_kg_m3, 0), "kg",
-           "density " + fixed(r.density_kg_m3, 0) + "\u2009kg/m³" + (r.density_assumed ? ", assumed" : ""));
+           "density " + fixed(r.density_kg_m3, 0) + "\u202fkg/m³" + (r.density_assumed ? ", assumed" : ""));
   }
   fact(h, "Surface not seen", fixed(100.0 * r.unseen_area_fraction, 0), "%", "of the closed surface, filled in");
-  fact(h, "Points", grouped(r.point_count), "", "median spacing " + fixed(r.point_spacing_m, 3) + "\u2009m");
+  fact(h, "Points", grouped(r.point_count), "", "median spacing " + fixed(r.point_spacing_m, 3) + "\u202fm");
   if (r.size_m.y() > 0.0)
     fact(h, "Height / width", fixed(r.size_m.z() / r.size_m.y(), 2), "", "of the box, not of the contact");
   h.raw("</dl></section>");

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 
 #include "base/angle.hpp"
@@ -115,6 +116,8 @@ std::string common_reason(const PageContext& page, Grade grade) {
 }
 
 double median(std::vector<double> values) {
+  std::erase_if(values, [](double v) { return !std::isfinite(v); });
+  if (values.empty()) return std::numeric_limits<double>::quiet_NaN();
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
   std::nth_element(values.begin(), middle, values.end());
   return *middle;
@@ -133,7 +136,8 @@ Html header_section(const PageContext& page) {
   const std::string date = date_text(page);
   if (!date.empty()) h.raw("<span>").text(date).raw("</span>");
   const auto short_degrees = [](const std::string& text) {
-    return text.substr(0, text.find('.') + 5) + text.substr(text.find("°"));
+    const std::size_t point = text.find('.'), sign = text.find("°");
+    return point == std::string::npos || sign == std::string::npos ? text : text.substr(0, point + 5) + text.substr(sign);
   };
   h.raw("<span>")
       .text(short_degrees(latitude_text(origin.latitude_deg)) + ", " +
@@ -148,15 +152,15 @@ Html header_section(const PageContext& page) {
            page.data.detections > 0 ? plural(page.data.detections, "detected box", "detected boxes") : "");
   if (!page.data.targets.empty()) figure(h, grouped(n.located), "", "Objects located", class_counts(page));
   if (!page.data.rocks.empty()) {
-    figure(h, grouped(n.cut), "", "Rocks cut from the cloud",
+    figure(h, grouped(n.cut), "", "Rocks cut",
            n.rejected == 0 ? "none rejected" : grouped(n.rejected) + " rejected, each with its reason");
     if (n.cut > 0) grade_bar(h, n);
   }
   if (page.data.coverage) {
     const CoverageView& c = *page.data.coverage;
-    std::string detail = "of " + grouped(static_cast<std::size_t>(std::lround(c.area_m2))) + "\u2009m² pass every gate";
+    std::string detail = "of " + grouped(static_cast<std::size_t>(std::lround(c.area_m2))) + "\u202fm² pass every gate";
     if (c.interval_95)
-      detail += "; 95\u2009%: " + fixed(100 * (*c.interval_95)[0], 1) + "–" + fixed(100 * (*c.interval_95)[1], 1);
+      detail += "; 95\u202f%: " + fixed(100 * (*c.interval_95)[0], 1) + "–" + fixed(100 * (*c.interval_95)[1], 1);
     figure(h, fixed(100.0 * c.complete_fraction, 1), "%", "Predicted coverage", detail);
   }
   if (!page.data.obstacles.empty()) {
@@ -169,7 +173,7 @@ Html header_section(const PageContext& page) {
   if (page.data.route)
     figure(h, fixed(page.data.route->length_m, 1), "m", "Route",
            page.data.route->min_clearance_m
-               ? "clearance at least " + fixed(*page.data.route->min_clearance_m, 2) + "\u2009m"
+               ? "clearance at least " + fixed(*page.data.route->min_clearance_m, 2) + "\u202fm"
                : page.data.route->planner);
   h.raw("</dl></header>");
   return h;
@@ -188,7 +192,7 @@ Html summary_section(const PageContext& page) {
                                         plural(page.data.frames.size(), "photograph", "photographs")
                                   : "") +
         "; median horizontal uncertainty " + fixed(median(sigmas), 3) +
-        "\u2009m (one sigma, relative to the survey's own frame)." +
+        "\u202fm (one sigma, relative to the survey's own frame)." +
         (n.given_up > 0 ? " " + plural(n.given_up, "candidate was", "candidates were") + " given up." : ""));
   }
   if (n.cut > 0) {
@@ -217,7 +221,7 @@ Html summary_section(const PageContext& page) {
     double area = 0.0;
     for (const GapView& g : page.data.coverage->gaps) area += g.area_m2;
     lines.push_back(plural(page.data.coverage->gaps.size(), "gap", "gaps") + " in the coverage, " + fixed(area, 1) +
-                    "\u2009m² together; they are listed with reason and place.");
+                    "\u202fm² together; they are listed with reason and place.");
   }
   if (!page.data.provenance.warnings.empty())
     lines.push_back(plural(page.data.provenance.warnings.size(), "warning", "warnings") +

@@ -68,7 +68,7 @@ void gap_table(Html& h, const CoverageView& c) {
         .raw("</code></dt><dd>")
         .text(reason_sentence(code))
         .raw(" <span class=\"quiet\">")
-        .text(plural(n.first, "gap", "gaps") + ", " + fixed(n.second, 1) + "\u2009m²")
+        .text(plural(n.first, "gap", "gaps") + ", " + fixed(n.second, 1) + "\u202fm²")
         .raw("</span></dd></div>");
   h.raw("</dl>");
 }
@@ -82,11 +82,11 @@ Html coverage_section(const PageContext& page) {
   h.raw("<section id=\"coverage\"><h2>Coverage</h2><p class=\"lead\">");
   h.text("Predicted visibility of " + grouped(c.facets) + " facets (" +
          grouped(static_cast<std::size_t>(std::lround(c.area_m2))) +
-         "\u2009m²), found by casting rays from every photograph to every facet. " +
-         fixed(100.0 * c.complete_fraction, 1) + "\u2009% of the area passes every gate");
+         "\u202fm²), found by casting rays from every photograph to every facet. " +
+         fixed(100.0 * c.complete_fraction, 1) + "\u202f% of the area passes every gate");
   if (c.interval_95)
-    h.text(" (95\u2009% interval " + fixed(100 * (*c.interval_95)[0], 1) + " to " +
-           fixed(100 * (*c.interval_95)[1], 1) + "\u2009%, block bootstrap)");
+    h.text(" (95\u202f% interval " + fixed(100 * (*c.interval_95)[0], 1) + " to " +
+           fixed(100 * (*c.interval_95)[1], 1) + "\u202f%, block bootstrap)");
   h.text(".").raw("</p>");
   if (c.validation) h.raw("<p>").text(*c.validation).raw("</p>");
   if (!c.gates.empty()) {
@@ -97,7 +97,7 @@ Html coverage_section(const PageContext& page) {
       h.raw("</span><i><b")
           .attr("style", "width:" + Html::short_number(100.0 * std::clamp(g.pass_fraction, 0.0, 1.0), 2) + "%")
           .raw("></b></i><span class=\"n\">");
-      h.text(percent + "\u2009% pass").raw("</span></div>");
+      h.text(percent + "\u202f% pass").raw("</span></div>");
     }
     h.raw("</div>");
   }
@@ -121,14 +121,14 @@ Html ground_section(const PageContext& page) {
   h.raw("<section id=\"ground\"><h2>Obstacles and route</h2>");
   if (d.route) {
     h.raw("<p class=\"lead\">")
-        .text("Route of " + fixed(d.route->length_m, 1) + "\u2009m from " +
+        .text("Route of " + fixed(d.route->length_m, 1) + "\u202fm from " +
               fixed(d.route->path.empty() ? 0.0 : d.route->path.front().x(), 1) + ", " +
               fixed(d.route->path.empty() ? 0.0 : d.route->path.front().y(), 1) + " to " +
               fixed(d.route->path.empty() ? 0.0 : d.route->path.back().x(), 1) + ", " +
-              fixed(d.route->path.empty() ? 0.0 : d.route->path.back().y(), 1) + "\u2009m (east, north)");
+              fixed(d.route->path.empty() ? 0.0 : d.route->path.back().y(), 1) + "\u202fm (east, north)");
     if (!d.route->planner.empty()) h.text(", " + d.route->planner);
     if (d.route->cost) h.text("; cost " + fixed(*d.route->cost, 1));
-    if (d.route->min_clearance_m) h.text("; least clearance " + fixed(*d.route->min_clearance_m, 2) + "\u2009m");
+    if (d.route->min_clearance_m) h.text("; least clearance " + fixed(*d.route->min_clearance_m, 2) + "\u202fm");
     h.text(". Advisory: a vehicle must still sense what is in front of it.").raw("</p>");
   }
   if (!d.obstacles.empty()) {
@@ -180,7 +180,7 @@ Html provenance_section(const PageContext& page) {
   fact("Seed", std::to_string(p.seed));
   fact("Origin of the local frame",
        latitude_text(o.position.latitude_deg) + ", " + longitude_text(o.position.longitude_deg) + ", height " +
-           fixed(o.position.height_m, 2) + "\u2009m " + words_of(survey::name_of(o.height_type)) +
+           fixed(o.position.height_m, 2) + "\u202fm " + words_of(survey::name_of(o.height_type)) +
            (o.geoid.empty() ? "" : " (" + o.geoid + ")"));
   fact("Axes", "x east, y north, z up; metres; tangent plane at the origin, WGS 84");
   fact("Rasters",

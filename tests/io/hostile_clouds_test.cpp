@@ -113,6 +113,8 @@ class Damaged : public ::testing::TestWithParam<Target> {
   // True where it was read, false where it was refused; anything else fails the test.
   bool try_read(const std::string& content) {
     const auto path = folder_ / GetParam().name;
+    // Rewriting a file in place makes ext4 flush it; a new one stays in memory.
+    std::filesystem::remove(path);
     base::write_file(path, content);
     try {
       if (GetParam().mesh) check(read_mesh(path));

@@ -49,10 +49,17 @@ export async function openBrowser() {
       child.stdio[3].write(JSON.stringify({ id, method, params, sessionId }) + '\0')
     })
 
+  const pages = []
   return {
+    // Closes what the last test opened.
+    async closePages() {
+      listeners.length = 0
+      for (const targetId of pages.splice(0)) await send('Target.closeTarget', { targetId })
+    },
     // Opens a page; `script: false` switches JavaScript off.
     async page(url, { width = 1400, height = 1000, script = true, touch = false } = {}) {
       const { targetId } = await send('Target.createTarget', { url: 'about:blank' })
+      pages.push(targetId)
       const { sessionId } = await send('Target.attachToTarget', { targetId, flatten: true })
       const call = (method, params) => send(method, params, sessionId)
       const problems = []

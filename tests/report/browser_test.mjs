@@ -285,6 +285,7 @@ for (const [name, test] of Object.entries(tests)) {
     failed++
     console.log(`FAILED  ${name}\n${error.stack}`)
   }
+  await browser.closePages()
 }
 await browser.close()
 rmSync(folder, { recursive: true, force: true })

@@ -49,7 +49,7 @@ TEST(HtmlReport, equal_data_give_equal_bytes) {
 
 TEST(HtmlReport, loads_nothing) {
   const std::string& html = sample_page();
-  EXPECT_NE(html.find("default-src 'none'"), std::string::npos);
+  EXPECT_NE(html.find("default-src &#39;none&#39;"), std::string::npos);
   const std::string page = without_bundle(html);
   EXPECT_FALSE(std::regex_search(
       page, std::regex("<(script|iframe|object|embed|link|base|form|video|audio)[^>]*(src|href|data|action)=",

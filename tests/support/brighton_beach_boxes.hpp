@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "geometry/rigid_transform.hpp"
-#include "survey/survey.hpp"
 #include "support/data.hpp"
+#include "survey/survey.hpp"
 
 namespace cairn::testing {
 

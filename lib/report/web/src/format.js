@@ -10,7 +10,7 @@ export function niceFloor(value) {
 }
 
 export const metres = (value) =>
-  value >= 1000 ? `${value / 1000}\u2009km` : value >= 1 ? `${value}\u2009m` : `${Math.round(value * 100)}\u2009cm`
+  value >= 1000 ? `${value / 1000}\u202fkm` : value >= 1 ? `${value}\u202fm` : `${Math.round(value * 100)}\u202fcm`
 
 export const degreesNorth = (v) => `${Math.abs(v).toFixed(6)}° ${v < 0 ? 'S' : 'N'}`
 export const degreesEast = (v) => `${Math.abs(v).toFixed(6)}° ${v < 0 ? 'W' : 'E'}`

@@ -194,11 +194,11 @@ function readOut(figure, data, svg, place) {
     const up = values.find(({ grid }) => grid.name === 'up')?.value ?? 0
     const [latitude, longitude] = geodetic(east, north, up)
     const texts = [
-      `E\u2009${fixed(east, 2)}  N\u2009${fixed(north, 2)}\u2009m`,
+      `E\u202f${fixed(east, 2)}  N\u202f${fixed(north, 2)}\u202fm`,
       `${degreesNorth(latitude)}, ${degreesEast(longitude)}`,
     ]
     for (const { grid, value } of values) {
-      if (grid.name === 'up') texts.push(`up ${fixed(value, 2)}\u2009m`)
+      if (grid.name === 'up') texts.push(`up ${fixed(value, 2)}\u202fm`)
       else if (grid.name === 'views') texts.push(`${Math.round(value)} views`)
       else texts.push(`${grid.name} ${fixed(value, 1)}`)
     }

@@ -25,7 +25,7 @@ export function enhanceCharts(data) {
       dot.setAttribute('cy', r * y)
       dot.setAttribute('r', 3)
       text.setAttribute('y', 112)
-      text.textContent = `${azimuth}°: ${fixed(values[azimuth], 3)}\u2009g`
+      text.textContent = `${azimuth}°: ${fixed(values[azimuth], 3)}\u202fg`
       layer.replaceChildren(line, dot, text)
     })
     chart.addEventListener('pointerleave', () => layer.replaceChildren())

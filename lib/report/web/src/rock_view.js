@@ -109,7 +109,7 @@ export function createRockView(data) {
       const caption = document.createElement('p')
       caption.className = 'scene-caption'
       caption.textContent =
-        `Grid ${model.gridStep >= 1 ? model.gridStep + '\u2009m' : Math.round(model.gridStep * 100) + '\u2009cm'}; arrow to north` +
+        `Grid ${model.gridStep >= 1 ? model.gridStep + '\u202fm' : Math.round(model.gridStep * 100) + '\u202fcm'}; arrow to north` +
         (rock.triangles < rock.of ? `; thinned from ${rock.of} triangles` : '')
       element.replaceChildren(stage.canvas, buttons(rock), key(rock), caption)
       look()

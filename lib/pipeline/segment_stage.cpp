@@ -1,0 +1,215 @@
+#include "pipeline/segment_stage.hpp"
+
+#include <algorithm>
+
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/number_text.hpp"
+#include "geodesy/crs.hpp"
+#include "geodesy/local_frame.hpp"
+#include "io/cloud.hpp"
+#include "io/survey_folder.hpp"
+#include "io/targets_json.hpp"
+#include "pipeline/survey_sources.hpp"
+
+namespace cairn::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+using base::Error;
+using base::ErrorCode;
+using segmentation::Label;
+
+std::vector<std::string> split_classes(const std::string& text) {
+  std::vector<std::string> classes;
+  for (std::size_t begin = 0; begin <= text.size();) {
+    const std::size_t end = std::min(text.find(',', begin), text.size());
+    const auto name = base::trim(std::string_view(text).substr(begin, end - begin));
+    if (!name.empty()) classes.emplace_back(name);
+    begin = end + 1;
+  }
+  return classes;
+}
+
+io::Json segment_json(const segmentation::RockCut& rock) {
+  io::Json contact = io::Json::array();
+  for (const auto& sample : rock.shape.contact)
+    contact.push(io::Json::object(
+        {{"position_m", io::Json(sample.position)}, {"status", sample.observed ? "observed" : "inferred"}}));
+  return io::Json::object({{"id", rock.target.value},
+                           {"class", rock.object_class},
+                           {"rejected", false},
+                           {"reasons", io::Json::array()},
+                           {"message", ""},
+                           {"point_count", rock.points.size()},
+                           {"point_spacing_m", rock.shape.spacing},
+                           {"height_m", rock.shape.height},
+                           {"threshold_m", rock.threshold},
+                           {"ground_noise_m", rock.ground.noise},
+                           {"ground_up_m", rock.ground.up_at_centre},
+                           {"ground_slope", std::vector<double>{rock.ground.slope.x(), rock.ground.slope.y()}},
+                           {"sides_seen_share", rock.shape.sides_seen_share},
+                           {"contact_observed_share", rock.shape.observed_share()},
+                           {"contact", std::move(contact)},
+                           {"notes", io::Json(rock.notes)}});
+}
+
+std::int64_t id_of(const base::Reject& reject) {
+  return base::parse_integer(std::string_view(reject.record).substr(std::string_view("target ").size())).value_or(-1);
+}
+
+// The survey's own word on a cloud: its CRS where the file has none, and where it lies against the poses.
+struct Placement {
+  std::string crs;
+  std::optional<geometry::Similarity> T_world_source;
+};
+
+Placement placement_of(const SegmentFiles& in, const std::string& file_crs) {
+  Placement placement{file_crs, std::nullopt};
+  if (in.survey.empty()) return placement;
+  const auto survey = io::read_survey(in.survey);
+  if (const auto* source = survey.source("cloud")) {
+    if (!source->crs.empty()) placement.crs = source->crs;
+    placement.T_world_source = source->T_world_source;
+  }
+  return placement;
+}
+
+class SegmentStage final : public Stage {
+ public:
+  SegmentStage() { options_.keep = "labelled"; }
+  [[nodiscard]] std::string_view name() const override { return "segment"; }
+  [[nodiscard]] std::vector<std::string> needs() const override { return {"locate"}; }
+  [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
+
+  [[nodiscard]] Estimate estimate(const StageInputs& in) const override {
+    const auto survey = io::read_survey(in.survey);
+    if (!has_cloud(survey)) return {};
+    std::error_code ignored;
+    const auto bytes = fs::file_size(io::resolve_reference(survey.source("cloud")->path, in.survey), ignored);
+    if (ignored) return {};
+    // A point of some 30 bytes on disk becomes a position, its columns and two labels.
+    return {6 * bytes, options_.keep == "all" ? 2 * bytes : bytes / 4};
+  }
+
+  Outcome run(const StageInputs& in, const fs::path& out, base::RunContext& ctx) override {
+    base::validate(options(), "segment");
+    const auto targets = io::read_targets(in.products / "targets.json");
+    const auto survey = io::read_survey(in.survey);
+    auto loaded = load_cloud(in.survey, survey, ctx);
+    const auto local = loaded.cloud.positions;
+    auto result = segment_cloud(std::move(loaded.cloud), local, targets.targets, options_, ctx);
+    io::CloudWriteOptions write;
+    write.crs_wkt = write.crs = geodesy::LocalFrame(survey.manifest.origin.position).raster_crs_wkt();
+    io::write_cloud(out / "labelled.las", result.cloud, write);
+    base::write_file(out / "segments.json",
+                     segments_json(result.cuts, rock_targets(targets.targets, options_)).dump() + "\n");
+    return std::move(result.outcome);
+  }
+
+ private:
+  SegmentOptions options_;
+};
+
+}  // namespace
+
+void SegmentOptions::visit(base::OptionVisitor& visitor) {
+  visitor.text("classes", classes, "target classes that are rocks, comma-separated");
+  visitor.choice("keep", keep, {"all", "labelled"}, "points written: all, or those with a label");
+  cut.visit(visitor);
+}
+
+std::vector<segmentation::RockTarget> rock_targets(const std::vector<survey::Target>& targets,
+                                                   const SegmentOptions& options) {
+  const auto classes = split_classes(options.classes);
+  std::vector<segmentation::RockTarget> rocks;
+  for (const auto& t : targets) {
+    if (t.state == survey::TargetState::deregistered) continue;
+    if (std::find(classes.begin(), classes.end(), t.object_class) == classes.end()) continue;
+    rocks.push_back({t.id, t.object_class, t.centre.head<2>(), t.bcylinder ? t.bcylinder->radius : 0.0});
+  }
+  return rocks;
+}
+
+io::Json segments_json(const segmentation::RockCuts& cuts, const std::vector<segmentation::RockTarget>& targets) {
+  std::vector<std::pair<std::int64_t, io::Json>> rows;
+  for (const auto& rock : cuts.rocks) rows.emplace_back(rock.target.value, segment_json(rock));
+  for (const auto& reject : cuts.rejects) {
+    const std::int64_t id = id_of(reject);
+    const auto target = std::find_if(targets.begin(), targets.end(), [id](const auto& t) { return t.id.value == id; });
+    rows.emplace_back(id, io::Json::object({{"id", id},
+                                            {"class", target == targets.end() ? "" : target->object_class},
+                                            {"rejected", true},
+                                            {"reasons", io::Json(std::vector<std::string>{reject.reason})},
+                                            {"message", reject.message}}));
+  }
+  std::sort(rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  io::Json list = io::Json::array();
+  for (auto& row : rows) list.push(std::move(row.second));
+  return io::Json::object({{"schema_version", 1}, {"segments", std::move(list)}});
+}
+
+Segmented segment_cloud(geometry::PointCloud cloud, const std::vector<geometry::Vec3>& local,
+                        const std::vector<survey::Target>& targets, const SegmentOptions& options,
+                        base::RunContext& ctx) {
+  const auto rocks = rock_targets(targets, options);
+  geometry::PointCloud shape;
+  shape.positions = local;
+  Segmented result;
+  result.cuts = cut_rocks(shape, rocks, options.cut, ctx);
+  result.cloud = std::move(cloud);
+  segmentation::add_label_columns(result.cloud, result.cuts);
+  std::size_t rock_points = 0, terrain_points = 0;
+  for (std::size_t i = 0; i < local.size(); ++i) {
+    const Label label = result.cuts.labels[i];
+    rock_points += label == Label::rock;
+    terrain_points += label == Label::terrain;
+    if (options.keep == "all" || label != Label::unlabelled) result.kept.push_back(i);
+  }
+  if (result.kept.size() < local.size()) result.cloud = result.cloud.subset(result.kept);
+  auto& outcome = result.outcome;
+  outcome.rejects = result.cuts.rejects;
+  outcome.summary = io::Json::object({{"points", local.size()},
+                                      {"targets", rocks.size()},
+                                      {"rocks", result.cuts.rocks.size()},
+                                      {"rejected", outcome.rejects.size()},
+                                      {"rejected_by_reason", count_by_reason(outcome.rejects)},
+                                      {"rock_points", rock_points},
+                                      {"terrain_points", terrain_points}});
+  return result;
+}
+
+Outcome segment_file(const SegmentFiles& in, const fs::path& out_las, const SegmentOptions& options,
+                     base::RunContext& ctx) {
+  const auto targets = io::read_targets(in.targets);
+  auto file = io::read_cloud(in.cloud);
+  for (const auto& warning : file.facts.warnings) ctx.warn(in.cloud.filename().string() + ": " + warning);
+  if (file.cloud.empty())
+    throw Error(ErrorCode::invalid_input, "the cloud has no points").file(in.cloud.string()).allowed("at least 1");
+  const auto placement = placement_of(in, file.facts.crs);
+  auto local = file.cloud.positions;
+  if (placement.crs.empty() || placement.crs == "local") {
+    ctx.warn(in.cloud.filename().string() + ": no CRS is declared; taken to be in the frame of " +
+             in.targets.filename().string());
+  } else {
+    const geodesy::CrsConverter converter(placement.crs, geodesy::LocalFrame(targets.frame.position));
+    converter.to_local(local);
+  }
+  if (placement.T_world_source)
+    for (auto& p : local) p = *placement.T_world_source * p;
+  auto result = segment_cloud(std::move(file.cloud), local, targets.targets, options, ctx);
+  io::CloudWriteOptions write;
+  write.crs = file.facts.crs;
+  if (!file.facts.crs.empty()) write.crs_wkt = geodesy::crs_wkt(file.facts.crs);
+  if (file.las) write.las = &*file.las;
+  io::write_cloud(out_las, result.cloud, write);
+  auto& summary = result.outcome.summary;
+  summary.set("segments", segments_json(result.cuts, rock_targets(targets.targets, options)).at("segments"));
+  return std::move(result.outcome);
+}
+
+std::unique_ptr<Stage> make_segment_stage() {
+  return std::make_unique<SegmentStage>();
+}
+
+}  // namespace cairn::pipeline

@@ -1,0 +1,284 @@
+#include "pipeline/surface_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/atomic_file.hpp"
+#include "base/error.hpp"
+#include "base/number_text.hpp"
+#include "geodesy/crs.hpp"
+#include "geometry/least_rectangle.hpp"
+#include "io/cloud.hpp"
+#include "io/glb.hpp"
+#include "io/ply.hpp"
+#include "io/rocks_json.hpp"
+#include "segmentation/rock_cut.hpp"
+#include "survey/rock.hpp"
+
+namespace cairn::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+using base::Error;
+using base::ErrorCode;
+using geometry::Vec2;
+using geometry::Vec3;
+using segmentation::Label;
+
+// The points of one rock and the terrain around it, with what they say.
+struct RockPoints {
+  std::int64_t id = 0;
+  std::vector<Vec3> points;
+  segmentation::GroundPlane ground;
+  segmentation::RockShape shape;
+  bool level = false;  // no terrain: the plane is assumed
+};
+
+const geometry::ScalarColumn& column(const geometry::PointCloud& cloud, const std::string& name) {
+  if (const auto* found = cloud.scalar(name)) return *found;
+  throw Error(ErrorCode::failed_precondition, "the cloud has no column '" + name + "'")
+      .hint("Make it with cairn segment");
+}
+
+RockPoints describe(std::int64_t id, std::vector<Vec3> points, const geometry::PointCloud& cloud,
+                    const std::vector<std::size_t>& terrain, double ground_width) {
+  RockPoints rock;
+  rock.id = id;
+  rock.points = std::move(points);
+  Vec2 middle = Vec2::Zero();
+  for (const auto& p : rock.points) middle += p.head<2>();
+  middle /= static_cast<double>(rock.points.size());
+  double radius = 0.0, lowest = rock.points.front().z();
+  for (const auto& p : rock.points) {
+    radius = std::max(radius, (p.head<2>() - middle).norm());
+    lowest = std::min(lowest, p.z());
+  }
+  std::vector<Vec3> around;
+  for (const std::size_t i : terrain)
+    if ((cloud.positions[i].head<2>() - middle).norm() <= radius + ground_width) around.push_back(cloud.positions[i]);
+  const auto ground = segmentation::fit_ground(around, middle);
+  rock.level = !ground.has_value();
+  if (ground) rock.ground = *ground;
+  else {
+    rock.ground.centre = middle;
+    rock.ground.up_at_centre = lowest;
+  }
+  double threshold = std::numeric_limits<double>::infinity();
+  for (const auto& p : rock.points) threshold = std::min(threshold, rock.ground.height_above(p));
+  rock.shape = segmentation::describe_rock(rock.points, rock.ground, std::max(0.0, threshold));
+  return rock;
+}
+
+survey::Rock record_of(const RockPoints& in, const std::string& object_class) {
+  survey::Rock rock;
+  rock.target = survey::TargetId(in.id);
+  rock.object_class = object_class;
+  rock.point_count = in.points.size();
+  rock.point_spacing_m = in.shape.spacing;
+  std::vector<Vec2> plan;
+  for (const auto& p : in.points) plan.push_back(p.head<2>());
+  const auto rectangle = geometry::least_area_rectangle(plan);
+  rock.size_m = {rectangle.length, rectangle.width, in.shape.height};
+  rock.length_azimuth_deg = rectangle.length_azimuth_deg;
+  rock.base_height_m = in.ground.up_at_centre;
+  return rock;
+}
+
+// Where the body meets the ground: its cap's outline, or for a wrap the seen crease (5.2: never the wrapped mesh).
+io::Json contact_of(const RockPoints& in, const surface::RockBody& body) {
+  io::Json points = io::Json::array();
+  const auto add = [&points](const Vec3& p, bool observed) {
+    points.push(io::Json::object({{"position_m", io::Json(p)}, {"status", observed ? "observed" : "inferred"}}));
+  };
+  if (body.cap == survey::CapModel::wrap) {
+    for (const auto& sample : in.shape.contact) add(sample.position, sample.observed);
+  } else {
+    std::vector<Vec2> foot;
+    constexpr double kOnGround = 1e-6;  // m: the cap's vertices were put on the plane exactly
+    for (const auto& v : body.mesh.vertices)
+      if (std::abs(in.ground.height_above(v)) < kOnGround) foot.push_back((v - body.mesh.vertices.front()).head<2>());
+    for (const auto& p : geometry::convex_hull(foot)) {
+      const Vec2 q = p + body.mesh.vertices.front().head<2>();
+      add({q.x(), q.y(), in.ground.up(q)}, false);
+    }
+  }
+  return io::Json::object({{"assumed", true}, {"points", std::move(points)}});
+}
+
+io::Json quality_json(const surface::BodyQuality& q) {
+  return io::Json::object({{"watertight", q.watertight},
+                           {"open_edges", q.topology.boundary_edges},
+                           {"inconsistent_edges", q.topology.inconsistent_edges},
+                           {"non_manifold_edges", q.topology.non_manifold_edges},
+                           {"components", q.topology.components},
+                           {"self_intersecting", q.self_intersecting},
+                           {"unseen_area_fraction", q.unseen_area_fraction}});
+}
+
+void write_record(const fs::path& path, const std::string& frame, const survey::Rock& rock, io::Json surface,
+                  io::Json contact) {
+  const auto json = io::Json::object({{"schema_version", 1},
+                                      {"frame", frame},
+                                      {"rock", io::to_json(rock)},
+                                      {"surface", std::move(surface)},
+                                      {"contact", std::move(contact)}});
+  base::write_file(path, json.dump() + "\n");
+}
+
+// Writes the rock's files; the reject where it has no body.
+std::optional<base::Reject> write_rock(const RockPoints& in, const std::string& object_class, const std::string& frame,
+                                       const fs::path& folder, const SurfaceOptions& options) {
+  const std::string stem = std::to_string(in.id);
+  survey::Rock rock = record_of(in, object_class);
+  const surface::BodyInput input{in.points, [&in](const Vec2& p) { return in.ground.up(p); }, in.shape.spacing,
+                                 in.shape.observed_share()};
+  auto built = surface::build_body(input, options.body);
+  if (auto* why = std::get_if<base::Reject>(&built)) {
+    why->record = "rock " + stem;
+    rock.rejected = true;
+    rock.reasons = {why->reason};
+    rock.tipping.reasons = {why->reason};
+    write_record(folder / (stem + ".json"), frame, rock, io::Json(), io::Json());
+    return *why;
+  }
+  auto& body = std::get<surface::RockBody>(built);
+  if (in.level) body.notes.emplace_back("ground_assumed_level");
+  rock.cap = body.cap;
+  rock.unseen_area_fraction = body.quality.unseen_area_fraction;
+  rock.mass = body.mass;
+  rock.hull_volume_m3 = body.hull_volume;
+  io::PlyWriteOptions ply;
+  ply.comments = {"rock " + stem, frame};
+  io::write_ply(folder / (stem + ".ply"), body.mesh, ply);
+  io::GlbWriteOptions glb;
+  glb.name = "rock " + stem;
+  glb.origin = body.mass.centre_of_mass;
+  glb.frame = frame;
+  glb.properties = io::Json::object({{"id", in.id},
+                                     {"class", object_class},
+                                     {"volume_m3", body.mass.volume},
+                                     {"unseen_area_fraction", body.quality.unseen_area_fraction}});
+  glb.normals = false;
+  io::write_glb(folder / (stem + ".glb"), body.mesh, glb);
+  const auto surface =
+      io::Json::object({{"method", body.method},
+                        {"quality", quality_json(body.quality)},
+                        {"sides_seen_share", in.shape.sides_seen_share},
+                        {"contact_observed_share", in.shape.observed_share()},
+                        {"ground_up_m", in.ground.up_at_centre},
+                        {"ground_slope", std::vector<double>{in.ground.slope.x(), in.ground.slope.y()}},
+                        {"ground_noise_m", in.ground.noise},
+                        {"notes", io::Json(body.notes)}});
+  write_record(folder / (stem + ".json"), frame, rock, surface, contact_of(in, body));
+  return std::nullopt;
+}
+
+void require_metres(const io::CloudFile& file, const fs::path& path) {
+  if (file.facts.crs.empty()) return;
+  const auto info = geodesy::describe_crs(file.facts.crs);
+  if (!info.geographic && info.horizontal_unit_m == 1.0 && (!info.has_vertical || info.vertical_unit_m == 1.0)) return;
+  throw Error(ErrorCode::crs_mismatch, "volumes need coordinates in metres")
+      .file(path.string())
+      .found(info.name)
+      .allowed("a projected CRS in metres, or the local frame")
+      .hint("Convert the cloud first: cairn convert --crs EPSG:n");
+}
+
+class SurfaceStage final : public Stage {
+ public:
+  [[nodiscard]] std::string_view name() const override { return "surface"; }
+  [[nodiscard]] std::vector<std::string> needs() const override { return {"segment"}; }
+  [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
+  [[nodiscard]] Estimate estimate(const StageInputs&) const override { return {std::uint64_t{256} << 20, 64U << 20}; }
+
+  Outcome run(const StageInputs& in, const fs::path& out, base::RunContext& ctx) override {
+    base::validate(options(), "surface");
+    const auto file = io::read_cloud(in.products / "labelled.las");
+    RockClasses classes;
+    const auto segments = io::read_json(in.products / "segments.json");
+    for (const auto& row : segments.at("segments").as_array())
+      classes[row.at("id").as_integer()] = row.at("class").as_string();
+    fs::create_directories(out / "rocks");
+    return surface_rocks(file.cloud, classes, "local ENU [m]: x east, y north, z up", out / "rocks", options_, ctx);
+  }
+
+ private:
+  SurfaceOptions options_;
+};
+
+}  // namespace
+
+void SurfaceOptions::visit(base::OptionVisitor& visitor) {
+  visitor.real("ground-width-m", ground_width_m, 0.05, 50.0,
+               "terrain points up to this far beyond the rock carry the ground plane");
+  body.visit(visitor);
+}
+
+Outcome surface_rocks(const geometry::PointCloud& labelled, const RockClasses& classes, const std::string& frame_text,
+                      const fs::path& folder, const SurfaceOptions& options, base::RunContext& ctx) {
+  const auto& label = column(labelled, segmentation::kLabelColumn).values;
+  const auto& target = column(labelled, segmentation::kTargetIdColumn).values;
+  std::map<std::int64_t, std::vector<Vec3>> rocks;
+  std::vector<std::size_t> terrain;
+  for (std::size_t i = 0; i < labelled.size(); ++i) {
+    if (label[i] == static_cast<double>(Label::terrain)) terrain.push_back(i);
+    if (label[i] == static_cast<double>(Label::rock) && target[i] != static_cast<double>(segmentation::kNoTarget))
+      rocks[static_cast<std::int64_t>(target[i])].push_back(labelled.positions[i]);
+  }
+  Outcome outcome;
+  io::Json rows = io::Json::array();
+  std::map<std::string, std::int64_t> methods;
+  double volume = 0.0;
+  std::uint64_t done = 0;
+  for (auto& [id, points] : rocks) {
+    ctx.check_stop();
+    ctx.progress("rocks", ++done, rocks.size());
+    const auto known = classes.find(id);
+    const auto rock = describe(id, std::move(points), labelled, terrain, options.ground_width_m);
+    auto why = write_rock(rock, known == classes.end() ? "rock" : known->second, frame_text, folder, options);
+    if (why) {
+      outcome.rejects.push_back(std::move(*why));
+      continue;
+    }
+    const auto written = io::read_json(folder / (std::to_string(id) + ".json"));
+    const auto& mass = written.at("rock").at("mass");
+    volume += mass.at("volume_m3").as_real();
+    ++methods[written.at("surface").at("method").as_string()];
+    rows.push(io::Json::object({{"id", id},
+                                {"method", written.at("surface").at("method")},
+                                {"watertight", written.at("surface").at("quality").at("watertight")},
+                                {"volume_m3", mass.at("volume_m3")},
+                                {"hull_volume_m3", written.at("rock").at("hull_volume_m3")},
+                                {"unseen_area_fraction", written.at("rock").at("unseen_area_fraction")}}));
+  }
+  io::Json by_method = io::Json::object();
+  for (const auto& [name, count] : methods) by_method.set(name, count);
+  outcome.summary = io::Json::object({{"rocks", rows.size()},
+                                      {"rejected", outcome.rejects.size()},
+                                      {"rejected_by_reason", count_by_reason(outcome.rejects)},
+                                      {"by_method", std::move(by_method)},
+                                      {"total_volume_m3", volume},
+                                      {"surfaces", std::move(rows)}});
+  return outcome;
+}
+
+Outcome surface_file(const fs::path& labelled, const fs::path& folder, const SurfaceOptions& options,
+                     base::RunContext& ctx) {
+  const auto file = io::read_cloud(labelled);
+  for (const auto& warning : file.facts.warnings) ctx.warn(labelled.filename().string() + ": " + warning);
+  require_metres(file, labelled);
+  const std::string frame = file.facts.crs.empty() ? "coordinates of the cloud [m], z up"
+                                                   : geodesy::describe_crs(file.facts.crs).name + " [m], z up";
+  try {
+    return surface_rocks(file.cloud, {}, frame, folder, options, ctx);
+  } catch (Error& error) {
+    error.default_file(labelled.string());
+    throw;
+  }
+}
+
+std::unique_ptr<Stage> make_surface_stage() {
+  return std::make_unique<SurfaceStage>();
+}
+
+}  // namespace cairn::pipeline
