@@ -190,6 +190,8 @@ report::ReportData gather_report(const ReportInputs& in, const ReportStageOption
   if (!in.survey.empty()) {
     survey = io::read_survey(in.survey);
     data.manifest = survey.manifest;
+    // Where the files lie on this machine is nobody else's business; run.json keeps it.
+    for (survey::Source& source : data.manifest.sources) source.path = fs::path(source.path).filename().string();
     data.detections = survey.detections.size();
   }
   const fs::path targets = in.product("locate", "targets.json"), obstacles = in.product("obstacles", "obstacles.json");
