@@ -100,7 +100,7 @@ std::vector<report::Histogram> histograms_of(const io::Raster& views) {
 
 std::vector<report::GapView> gaps_of(const std::filesystem::path& file, const survey::Survey& survey) {
   std::vector<report::GapView> out;
-  if (!std::filesystem::exists(file)) return out;
+  if (file.empty()) return out;
   for (const survey::CoverageGap& gap : io::read_gaps(file).gaps) {
     report::GapView view;
     view.id = gap.id.value;
@@ -150,11 +150,10 @@ void read_histograms(report::CoverageView& view, const io::Json& json) {
 
 }  // namespace
 
-std::optional<report::CoverageView> read_coverage_view(const std::filesystem::path& products,
-                                                       const survey::Survey& survey,
+std::optional<report::CoverageView> read_coverage_view(const ReportInputs& in, const survey::Survey& survey,
                                                        const std::optional<io::Raster>& views) {
-  const auto file = products / "coverage.json";
-  if (!std::filesystem::exists(file)) return std::nullopt;
+  const auto file = in.product("coverage", "coverage.json");
+  if (file.empty()) return std::nullopt;
   const io::Json json = io::read_json(file);
   report::CoverageView view;
   view.facets = static_cast<std::size_t>(std::max(0.0, real_of(json, "facets")));
@@ -166,7 +165,7 @@ std::optional<report::CoverageView> read_coverage_view(const std::filesystem::pa
   read_gates(view, json);
   read_histograms(view, json);
   if (view.histograms.empty() && views) view.histograms = histograms_of(*views);
-  view.gaps = gaps_of(products / "gaps.json", survey);
+  view.gaps = gaps_of(in.product("coverage", "gaps.json"), survey);
   return view;
 }
 
