@@ -17,6 +17,7 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 constexpr Eigen::Index kBlock = 256;  // points handled at once: six arrays of a block stay in the first cache
+constexpr double kNoWeight = 900.0;   // squared distance from the box's centre, sigmas^2
 using Block = Eigen::Array<double, Eigen::Dynamic, 1, 0, kBlock, 1>;
 
 // Where in a box, as fractions of its sides.
@@ -112,10 +113,13 @@ UpdateReport update_points(Points& points, const View& view, const PixelBox& box
     const Block inverse = depth.inverse();
     const Block u = (R(0, 0) * x + R(1, 0) * y + R(2, 0) * z) * inverse * au + bu;  // in half widths from the centre
     const Block v = (R(0, 1) * x + R(1, 1) * y + R(2, 1) * z) * inverse * av + bv;
-    const Block density = peak * (-0.5 * (u.square() + v.square())).exp();
+    const Block squared = u.square() + v.square();
+    const Block density = peak * (-0.5 * squared).exp();
     for (Eigen::Index i = 0; i < n; ++i) {
       const bool behind = !(depth[i] > 0.0);
-      double weight = density[i] + (std::abs(u[i]) <= 1.0 && std::abs(v[i]) <= 1.0 ? inside : 0.0);
+      // The vectorised exp never reaches 0: beyond 30 sigma it is taken as 0, or no box could be far enough.
+      double weight =
+          squared[i] > kNoWeight ? 0.0 : density[i] + (std::abs(u[i]) <= 1.0 && std::abs(v[i]) <= 1.0 ? inside : 0.0);
       if ((behind && options.cheirality) || !std::isfinite(weight)) weight = 0.0;
       report.behind += behind ? 1 : 0;
       weights[static_cast<std::size_t>(begin + i)] = weight;
