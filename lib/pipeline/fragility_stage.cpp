@@ -5,6 +5,7 @@
 #include <map>
 #include <optional>
 
+#include "base/angle.hpp"
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/number_text.hpp"
@@ -33,6 +34,7 @@ struct Subject {
   std::optional<geometry::TriangleMesh> mesh;  // empty where the rock was rejected before
   std::vector<Vec3> contact;
   fragility::Evidence evidence;
+  std::string refusal = "the rock has no closed surface";
 };
 
 Subject subject_of_mesh(const fs::path& path, const fragility::FragilityOptions& options) {
@@ -44,6 +46,7 @@ Subject subject_of_mesh(const fs::path& path, const fragility::FragilityOptions&
   if (const auto* why = std::get_if<base::Reject>(&built)) {
     s.rock.rejected = true;
     s.rock.reasons = {why->reason};
+    s.refusal = why->message;
     return s;
   }
   auto& body = std::get<surface::RockBody>(built);
@@ -230,7 +233,7 @@ Assessed assess_all(std::vector<Subject> subjects, const std::optional<io::Conta
     s.rock.density_assumed = density_assumed;
     if (!s.mesh) {
       const std::string reason = s.rock.reasons.empty() ? "no_surface" : s.rock.reasons.front();
-      refuse(s, {"rock " + s.stem, reason, "the rock has no closed surface"});
+      refuse(s, {"rock " + s.stem, reason, s.refusal});
       continue;
     }
     if (contact)
@@ -330,7 +333,16 @@ Outcome fragility_files(const FragilityFiles& in, const fs::path& out, bool dens
     throw Error(ErrorCode::invalid_input, "the folder holds no rock")
         .file(in.input.string())
         .allowed("<id>.json with <id>.ply, as cairn surface writes them");
+  const bool single_mesh = !fs::is_directory(in.input);
   auto all = assess_all(std::move(subjects), contact, out, density_assumed, options, ctx);
+  if (single_mesh && !all.rejects.empty()) {
+    const auto& why = all.rejects.front();
+    throw Error(ErrorCode::invalid_input, why.reason == "contact_outside_rock" ? "the contact does not lie at the rock"
+                                                                               : "the mesh is not a closed body")
+        .file(why.reason == "contact_outside_rock" ? in.contact.string() : in.input.string())
+        .found(why.reason + ": " + why.message)
+        .allowed("one closed surface, and a contact at its base");
+  }
   io::Json list = io::Json::array();
   for (const auto& rock : all.rocks) list.push(io::to_json(rock));
   // Without a survey no frame is known; a made-up origin would place the rocks somewhere.

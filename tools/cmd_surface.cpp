@@ -1,0 +1,42 @@
+// cairn surface LABELLED.las -o DIR
+#include "pipeline/run_record.hpp"
+#include "pipeline/surface_stage.hpp"
+#include "tools/command.hpp"
+
+namespace cairn::tools {
+namespace {
+
+class SurfaceCommand final : public Command {
+ public:
+  void declare(Arguments& arguments) override {
+    arguments.input("labelled", labelled_, "Labelled cloud of 'cairn segment'");
+    arguments.output(out_, "Folder of the meshes");
+    arguments.options(base::bind_options(options_));
+    arguments.example("cairn surface labelled.las -o surfaces --json");
+    arguments.example("cairn surface labelled.las -o surfaces --method wrap");
+  }
+
+  CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
+    base::validate(base::bind_options(options_), "surface");
+    const auto inputs = pipeline::digest_inputs({labelled_});
+    if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
+    const auto outcome = pipeline::run_to_folder(
+        out_, arguments.common.overwrite, {"surface", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
+        [&](const std::filesystem::path& staged) { return pipeline::surface_file(labelled_, staged, options_, ctx); },
+        ctx);
+    std::string text =
+        std::to_string(outcome.summary.at("rocks").as_integer()) + " closed surfaces in " + out_.string() + "\n";
+    for (const auto& reject : outcome.rejects)
+      text += "  " + reject.record + ": " + reject.reason + ", " + reject.message + "\n";
+    return {outcome.summary, text, outcome.rejects.empty() ? base::ExitCode::ok : base::ExitCode::item_failures};
+  }
+
+ private:
+  std::filesystem::path labelled_, out_;
+  pipeline::SurfaceOptions options_;
+};
+
+}  // namespace
+}  // namespace cairn::tools
+
+CAIRN_COMMAND_MAIN(cairn::tools::SurfaceCommand)
