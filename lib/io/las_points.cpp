@@ -161,7 +161,7 @@ PointCloud LasReader::read(std::uint64_t first, std::uint64_t count, const LasCo
           flagged += std::to_integer<unsigned>(piece.data[i * stride + 15]) >> 2U & 1U;
       } else {
         column<std::uint8_t>(piece, layout.classification, cloud.classification, [&](std::uint8_t v) {
-          flagged += v >> 7U;
+          flagged += static_cast<unsigned>(v) >> 7U;
           return static_cast<std::uint8_t>(v & 31U);
         });
       }
@@ -193,8 +193,11 @@ PointCloud LasReader::read(std::uint64_t first, std::uint64_t count, const LasCo
     if (columns.standard_fields) {
       const unsigned bits = layout.extended ? 4U : 3U, mask = (1U << bits) - 1U;
       const auto values = [&](std::size_t k) -> std::vector<double>& { return cloud.scalars[standard_at + k].values; };
-      column<std::uint8_t>(piece, 14, values(0), [&](std::uint8_t v) { return static_cast<double>(v & mask); });
-      column<std::uint8_t>(piece, 14, values(1), [&](std::uint8_t v) { return static_cast<double>(v >> bits & mask); });
+      column<std::uint8_t>(piece, 14, values(0),
+                           [&](std::uint8_t v) { return static_cast<double>(static_cast<unsigned>(v) & mask); });
+      column<std::uint8_t>(piece, 14, values(1), [&](std::uint8_t v) {
+        return static_cast<double>(static_cast<unsigned>(v) >> bits & mask);
+      });
       if (layout.extended)
         column<std::int16_t>(piece, layout.scan_angle, values(2),
                              [](std::int16_t v) { return static_cast<double>(v) * las::kScanAngleStepDeg; });

@@ -1,0 +1,88 @@
+#include "pipeline/stages.hpp"
+
+#include <array>
+#include <utility>
+
+#include "pipeline/costmap_stage.hpp"
+#include "pipeline/coverage_stage.hpp"
+#include "pipeline/fragility_stage.hpp"
+#include "pipeline/function_stage.hpp"
+#include "pipeline/layers_stage.hpp"
+#include "pipeline/locate_stage.hpp"
+#include "pipeline/obstacles_stage.hpp"
+#include "pipeline/report_stage.hpp"
+#include "pipeline/route_stage.hpp"
+#include "pipeline/segment_stage.hpp"
+#include "pipeline/surface_stage.hpp"
+#include "pipeline/terrain_stage.hpp"
+
+namespace cairn::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+constexpr std::uint64_t kMebibyte = 1U << 20U;
+
+// A costmap of up to 20 million cells (220 m square at 5 cm); the extent is known after `terrain` only.
+std::unique_ptr<Stage> make_costmap_stage() {
+  return make_function_stage<ground::CostmapOptions>(
+      {"costmap",
+       {"terrain", "obstacles"},
+       {},
+       [](const StageInputs&, const ground::CostmapOptions&) -> Estimate {
+         return {400 * kMebibyte, 40 * kMebibyte};
+       },
+       [](const StageInputs& in, const fs::path& out, const ground::CostmapOptions& options, base::RunContext& ctx) {
+         return costmap_stage({in.products / "obstacles.json", in.products / "surface.tif"}, out, options, ctx);
+       }});
+}
+
+std::unique_ptr<Stage> make_route_stage() {
+  return make_function_stage<RouteStageOptions>(
+      {"route",
+       {"costmap"},
+       {},
+       [](const StageInputs&, const RouteStageOptions&) -> Estimate {
+         return {600 * kMebibyte, kMebibyte};
+       },
+       [](const StageInputs& in, const fs::path& out, const RouteStageOptions& options, base::RunContext& ctx) {
+         return route_stage(in.products / "costmap.tif", out, options, ctx);
+       }});
+}
+
+std::unique_ptr<Stage> make_layers_stage() {
+  return make_function_stage<LayersOptions>(
+      {"layers",
+       {"locate"},
+       {"fragility", "obstacles", "coverage"},
+       [](const StageInputs&, const LayersOptions&) -> Estimate {
+         return {128 * kMebibyte, 8 * kMebibyte};
+       },
+       [](const StageInputs& in, const fs::path& out, const LayersOptions& options, base::RunContext& ctx) {
+         return layers_stage({in.survey, in.products / "targets.json", product(in, "fragility", "rocks.json"),
+                              product(in, "obstacles", "obstacles.json"), product(in, "coverage", "gaps.json")},
+                             out, options, ctx);
+       }});
+}
+
+using Maker = std::unique_ptr<Stage> (*)();
+constexpr std::array<std::pair<std::string_view, Maker>, 11> kStages{{{"locate", make_locate_stage},
+                                                                      {"terrain", make_terrain_stage},
+                                                                      {"segment", make_segment_stage},
+                                                                      {"surface", make_surface_stage},
+                                                                      {"fragility", make_fragility_stage},
+                                                                      {"coverage", make_coverage_stage},
+                                                                      {"obstacles", make_obstacles_stage},
+                                                                      {"costmap", make_costmap_stage},
+                                                                      {"route", make_route_stage},
+                                                                      {"layers", make_layers_stage},
+                                                                      {"report", make_report_stage}}};
+
+}  // namespace
+
+std::unique_ptr<Stage> make_stage(std::string_view name) {
+  for (const auto& [known, make] : kStages)
+    if (known == name) return make();
+  return nullptr;
+}
+
+}  // namespace cairn::pipeline
