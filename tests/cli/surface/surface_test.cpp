@@ -60,7 +60,7 @@ TEST_F(SurfaceCommand, ClosedMeshesWithMassAndQuality) {
 
 TEST_F(SurfaceCommand, BadInput) {
   const auto unlabelled = cairn({"surface", cloud_, "-o", out_});
-  EXPECT_EQ(unlabelled.exit_code, 1);
+  EXPECT_EQ(unlabelled.exit_code, 4);
   EXPECT_THAT(unlabelled.err, HasSubstr("no column 'label'"));
   EXPECT_EQ(cairn({"surface", labelled_, "-o", out_, "--method", "magic"}).exit_code, 2);
   EXPECT_FALSE(fs::exists(out_));
