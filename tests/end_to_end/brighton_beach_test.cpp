@@ -102,7 +102,7 @@ TEST_F(BrightonBeach, EveryProductIsThere) {
   for (const auto& name : kProducts) EXPECT_TRUE(fs::exists(out() / name)) << name;
   std::size_t models = 0;
   for (const auto& entry : fs::directory_iterator(out() / "rocks"))
-    models += entry.path().extension() == ".glb" ? 1 : 0;
+    models += entry.path().extension() == ".glb" ? 1U : 0U;
   EXPECT_GE(models, 10U);
 }
 
