@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <span>
 #include <vector>
@@ -36,10 +37,10 @@ Vec2 place_in_box(BoxFill fill, base::Random& random) {
 }
 
 // Indices drawn with probability weight / total, one draw per point.
-std::vector<Eigen::Index> draw(const std::vector<double>& weights, double total, bool systematic,
-                               base::Random& random) {
+void draw(const std::vector<double>& weights, double total, bool systematic, base::Random& random,
+          std::vector<std::uint32_t>& chosen) {
   const std::size_t m = weights.size();
-  std::vector<Eigen::Index> chosen(m);
+  chosen.resize(m);
   if (systematic) {
     const double step = total / static_cast<double>(m);
     double at = random.uniform() * step, cumulated = weights[0];
@@ -47,7 +48,7 @@ std::vector<Eigen::Index> draw(const std::vector<double>& weights, double total,
     for (std::size_t i = 0; i < m; ++i, at += step) {
       // Rounding may leave the last position beyond the sum: the last point of positive weight takes it.
       while (cumulated < at && index + 1 < m) cumulated += weights[++index];
-      chosen[i] = static_cast<Eigen::Index>(index);
+      chosen[i] = static_cast<std::uint32_t>(index);
     }
   } else {
     std::vector<double> cumulated(m);
@@ -55,15 +56,14 @@ std::vector<Eigen::Index> draw(const std::vector<double>& weights, double total,
     for (std::size_t i = 0; i < m; ++i) cumulated[i] = sum += weights[i];
     for (auto& index : chosen) {
       const auto it = std::upper_bound(cumulated.begin(), cumulated.end(), random.uniform() * sum);
-      index = static_cast<Eigen::Index>(
+      index = static_cast<std::uint32_t>(
           std::min<std::ptrdiff_t>(it - cumulated.begin(), static_cast<std::ptrdiff_t>(m) - 1));
     }
   }
   // A trailing run of zero weights must never be chosen.
   std::size_t last = m - 1;
   while (last > 0 && !(weights[last] > 0.0)) --last;
-  for (auto& index : chosen) index = std::min(index, static_cast<Eigen::Index>(last));
-  return chosen;
+  for (auto& index : chosen) index = std::min(index, static_cast<std::uint32_t>(last));
 }
 
 }  // namespace
@@ -95,8 +95,12 @@ UpdateReport update_points(Points& points, const View& view, const PixelBox& box
   const double au = view.fx_px / su, bu = (view.cx_px - c.x()) / su;
   const double av = view.fy_px / sv, bv = (view.cy_px - c.y()) / sv;
 
-  Points noised(m, 3);
-  std::vector<double> weights(static_cast<std::size_t>(m));
+  // Kept from call to call: fresh memory of this size would be mapped, and faulted in, at every update.
+  thread_local Points noised;
+  thread_local std::vector<double> weights;
+  thread_local std::vector<std::uint32_t> chosen;
+  noised.resize(m, 3);
+  weights.resize(static_cast<std::size_t>(m));
   double total = 0.0, squares = 0.0;
   for (Eigen::Index begin = 0; begin < m; begin += kBlock) {
     const Eigen::Index n = std::min(kBlock, m - begin);
@@ -130,7 +134,7 @@ UpdateReport update_points(Points& points, const View& view, const PixelBox& box
   if (!(total > 0.0) || !std::isfinite(total)) return report;
   report.effective_points = squares > 0.0 ? total * total / squares : 0.0;
 
-  const auto chosen = draw(weights, total, options.systematic, random);
+  draw(weights, total, options.systematic, random, chosen);
   if (options.move_points) {
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
       const double* from = noised.col(axis).data();
@@ -149,8 +153,22 @@ Gaussian fit_gaussian(const Points& points) {
   Gaussian g;
   g.mean = points.colwise().mean().transpose();
   if (points.rows() < 2) return g;
-  const Points centred = points.rowwise() - g.mean.transpose();
-  g.covariance = centred.transpose() * centred / static_cast<double>(points.rows() - 1);
+  // Sums about the mean, block by block in a fixed order.
+  double sums[6] = {};
+  for (Eigen::Index begin = 0; begin < points.rows(); begin += kBlock) {
+    const Eigen::Index n = std::min(kBlock, points.rows() - begin);
+    const Block x = points.col(0).segment(begin, n).array() - g.mean.x();
+    const Block y = points.col(1).segment(begin, n).array() - g.mean.y();
+    const Block z = points.col(2).segment(begin, n).array() - g.mean.z();
+    sums[0] += (x * x).sum();
+    sums[1] += (x * y).sum();
+    sums[2] += (x * z).sum();
+    sums[3] += (y * y).sum();
+    sums[4] += (y * z).sum();
+    sums[5] += (z * z).sum();
+  }
+  g.covariance << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
+  g.covariance /= static_cast<double>(points.rows() - 1);
   return g;
 }
 
