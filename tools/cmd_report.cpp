@@ -25,7 +25,7 @@ class ReportCommand final : public Command {
     base::validate(base::bind_options(options_), "report");
     if (!fs::is_directory(results_))
       throw base::Error(base::ErrorCode::not_found, "the folder of results does not exist").file(results_.string());
-    pipeline::ReportInputs in{results_, survey_.empty() ? survey_of_results(ctx) : survey_, true};
+    pipeline::ReportInputs in{results_, survey_.empty() ? survey_of_results(ctx) : survey_, {}, true};
     const auto inputs = pipeline::digest_inputs(products());
     if (inputs.empty())
       throw base::Error(base::ErrorCode::invalid_input, "there is nothing to report")

@@ -64,7 +64,10 @@ CheckResult check_survey(const fs::path& folder, const CheckOptions& options, ba
   const auto images = check_images(checked, folder, findings, result.evidence);
   ctx.check_stop();
 
-  const bool proved = check_ties(checked, folder, options, findings, result.evidence);
+  const std::size_t errors_before = findings.count(Severity::error);
+  // Proved, or shown to be wrong: either way tie points have said what there is to say.
+  const bool decided = check_ties(checked, folder, options, findings, result.evidence) ||
+                       findings.count(Severity::error) > errors_before;
   Ground ground = ground_by_ties(checked.survey);
   std::string ground_by = ground.empty() ? "" : "tie_points";
   const auto cloud = check_cloud(checked, folder, options, findings, result.evidence);
@@ -73,8 +76,8 @@ CheckResult check_survey(const fs::path& folder, const CheckOptions& options, ba
     ground_by = "cloud";
   }
   ctx.check_stop();
-  // Matching is dear: not where tie points have proved the poses already.
-  if (!proved && checked.survey.ties.empty() && options.pixels && images.size() >= 2) {
+  // Matching is dear: only where tie points leave the poses open.
+  if (!decided && options.pixels && images.size() >= 2) {
     ctx.info("matching " + std::to_string(images.size()) + " images");
     const bool had_ground = !ground.empty();
     check_pairs(checked, folder, images, options, ctx, findings, result.evidence, ground);

@@ -175,10 +175,11 @@ void check_heights_unit(const Prober& prober, const Reading& declared, const Fit
                       " m): convert z to metres, or declare a vertical CRS with feet"});
     return;
   }
-  findings.add({"cloud_heights_differ", Severity::error, file, "z",
-                told("the cloud's heights do not fit the survey's", found, allowed),
-                "Check the vertical datum of both (ellipsoidal or orthometric: they differ by the geoid), and that the "
-                "poses were not read inverted"});
+  findings.add(
+      {"cloud_heights_differ", Severity::error, file, "z",
+       told("the cloud's heights do not fit the survey's", found, allowed),
+       "Check the vertical datum of both (ellipsoidal or orthometric: they differ by the geoid), and that the "
+       "poses were not read inverted; give --takeoff-height where the poses' heights are relative to the take-off"});
 }
 
 std::optional<std::string> crs_of(const survey::Source& source, const std::string& in_file, const std::string& file,
@@ -249,7 +250,8 @@ std::optional<CheckedCloud> check_cloud(const CheckedSurvey& checked, const fs::
     findings.add({"cloud_no_vertical_datum", Severity::warning, file, "heights",
                   "the cloud's heights have no declared datum (found " + (info.name.empty() ? *crs : info.name) +
                       " without a vertical part; allowed a compound CRS, or a height type in survey.json)",
-                  "Name it: import again with a compound --cloud-crs EPSG:n+m. Until then heights are taken in the "
+                  "Name it: import again with --cloud-height-type, or a compound --cloud-crs EPSG:n+m. Until then "
+                  "heights are taken in the "
                   "survey's own datum"});
   if (data.cloud.colours.empty())
     findings.add({"cloud_no_colours", Severity::info, file, "colours",

@@ -166,6 +166,7 @@ io::Json rock_summary(const Subject& s, const fragility::Assessment& assessment)
   if (!tip.critical) return json;
   const auto& edge = assessment.detail.edges[*assessment.detail.critical];
   json.set("alpha_min_deg", base::rad_to_deg(edge.alpha));
+  json.set("azimuth_deg", edge.azimuth_deg);
   json.set("topple_toward_deg", edge.azimuth_deg);
   json.set("r_m", edge.r);
   json.set("p_rad_s", edge.p);

@@ -19,8 +19,9 @@ struct FragilityFiles {
 // Writes rocks.json, and for each rock that can be measured <id>_tipping.json (every edge, the polar table) and
 // <id>_tipping.svg. A rock of grade not_measurable appears in rocks.json with its reasons and without any angle.
 // Summary "rocks": per rock volume_m3, mass_kg, com_m, inertia_kg_m2, contact, grade, reasons, and where measurable
-// alpha_min_deg, topple_toward_deg, r_m, p_rad_s, a_qs_g, a_qs_g_by_azimuth, v_min_m_s, barrier_j.
-// A mesh that is not closed, or a contact that does not lie at the rock, is a reject.
+// alpha_min_deg, azimuth_deg (the same as topple_toward_deg, the name files use), r_m, p_rad_s, a_qs_g,
+// a_qs_g_by_azimuth, v_min_m_s, barrier_j. A mesh that is not closed, or a contact that does not lie at the rock, is a
+// reject.
 [[nodiscard]] Outcome fragility_files(const FragilityFiles& in, const std::filesystem::path& out, bool density_assumed,
                                       const fragility::FragilityOptions& options, base::RunContext& ctx);
 

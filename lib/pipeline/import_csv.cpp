@@ -9,7 +9,6 @@
 #include "base/time.hpp"
 #include "camera/dji_pose.hpp"
 #include "geodesy/local_frame.hpp"
-#include "io/colmap_model.hpp"
 #include "io/csv.hpp"
 #include "io/image.hpp"
 #include "io/survey_folder.hpp"
@@ -28,34 +27,13 @@ constexpr std::string_view kNeeded =
     "a header row that names: image; x_m,y_m,z_m or latitude_deg,longitude_deg,height_m; qw,qx,qy,qz or "
     "yaw_deg,pitch_deg,roll_deg";
 
-survey::Camera camera_of(const std::string& text) {
-  const auto refuse = [&](std::string message) {
-    return Error(ErrorCode::invalid_argument, std::move(message))
-        .found("'" + text + "'")
-        .allowed("MODEL,WIDTH,HEIGHT,PARAMETERS, for example PINHOLE,1600,900,914.3,914.3,800,450");
-  };
-  if (text.empty()) throw refuse("a table of frames does not say which camera took them").hint("Add --camera");
-  std::vector<double> numbers;
-  std::string_view rest = text;
-  const auto name_end = std::min(rest.find_first_of(", "), rest.size());
-  const io::ColmapCameraModel* model = io::find_colmap_model(rest.substr(0, name_end));
-  if (model == nullptr) throw refuse("unknown camera model");
-  rest.remove_prefix(name_end);
-  while (!rest.empty()) {
-    rest.remove_prefix(1);
-    const auto end = std::min(rest.find_first_of(", "), rest.size());
-    const auto value = base::parse_real(rest.substr(0, end));
-    if (!value) throw refuse("not a camera");
-    numbers.push_back(*value);
-    rest.remove_prefix(end);
-  }
-  if (numbers.size() < 2) throw refuse("not a camera");
+// A table without a header row often fails at its first line, which is data.
+io::CsvReader open_table(const fs::path& path) {
   try {
-    survey::Camera camera = io::make_colmap_camera(1, *model, numbers[0], numbers[1], std::span(numbers).subspan(2));
-    camera.name = "camera 1";
-    return camera;
-  } catch (const Error& error) {
-    throw refuse(error.what());
+    return io::CsvReader(path);
+  } catch (Error& error) {
+    if (error.code() != ErrorCode::invalid_input) throw;
+    throw std::move(error).allowed(kNeeded);
   }
 }
 
@@ -182,8 +160,11 @@ Outcome import_csv(const ImportCsvInputs& in, const fs::path& out, base::RunCont
     throw Error(ErrorCode::invalid_argument, "unknown time base")
         .found("'" + in.time_base + "'")
         .allowed("utc, gps, boot, unknown");
-  const survey::Camera camera = camera_of(in.camera);
-  io::CsvReader table(in.table);
+  if (in.camera.empty())
+    throw Error(ErrorCode::invalid_argument, "a table of frames does not say which camera took them")
+        .hint("Add --camera");
+  const survey::Camera camera = parse_camera(in.camera);
+  io::CsvReader table = open_table(in.table);
   const Layout layout = layout_of(table, in);
   const auto frame_id = table.find("frame_id"), time = table.find("time_ns"), sigma_xy = table.find("sigma_xy_m"),
              sigma_z = table.find("sigma_z_m"), sigma_rot = table.find("sigma_rot_deg");

@@ -13,11 +13,9 @@ struct ImportCsvInputs {
   ImportInputs common;
   std::filesystem::path table;
   std::filesystem::path images;  // folder of the images; "" = the image column is kept as a name only
-  // "MODEL,WIDTH,HEIGHT,PARAMETERS" in COLMAP's models and order, for the image files' pixels:
-  // "PINHOLE,1600,900,914.3,914.3,800,450".
-  std::string camera;
-  std::string pose;    // with quaternions: "camera-to-world" or "world-to-camera"
-  std::string angles;  // with yaw, pitch, roll: "gimbal" or "nadir-body" (camera::CameraMount)
+  std::string camera;            // as parse_camera reads it
+  std::string pose;              // with quaternions: "camera-to-world" or "world-to-camera"
+  std::string angles;            // with yaw, pitch, roll: "gimbal" or "nadir-body" (camera::CameraMount)
   std::string time_base = "unknown";
 };
 

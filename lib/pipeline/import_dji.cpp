@@ -163,6 +163,16 @@ void note_oddities(const std::vector<Photo>& photos, survey::Manifest& manifest)
   note_edited(photos, manifest);
 }
 
+void require_size(const Photo& photo, const survey::Camera& camera) {
+  const auto& size = photo.metadata.size;
+  if (size.width_px != camera.width_px || size.height_px != camera.height_px)
+    throw Error(ErrorCode::failed_precondition, "image does not have the size of the camera")
+        .file(photo.file.string())
+        .found(std::to_string(size.width_px) + " x " + std::to_string(size.height_px) + " px")
+        .allowed(std::to_string(camera.width_px) + " x " + std::to_string(camera.height_px) + " px")
+        .hint("Correct --camera: its parameters are for the image files' pixels");
+}
+
 void set_sigmas(const io::DjiMetadata& d, survey::Frame& frame) {
   const bool rtk = d.rtk_flag.value_or(0) >= kRtkSingle;
   frame.sigma_xy_m =
@@ -235,8 +245,14 @@ Outcome import_dji(const ImportDjiInputs& in, const fs::path& out, base::RunCont
               "the image has no RelativeAltitude (XMP drone-dji)"});
       return true;
     });
+  std::optional<survey::Camera> given_camera;
+  if (!in.camera.empty()) given_camera = parse_camera(in.camera);
   bool from_dewarp = false;
   std::erase_if(photos, [&](const Photo& photo) {
+    if (given_camera) {
+      require_size(photo, *given_camera);
+      return false;
+    }
     if (dji_camera(photo.metadata, from_dewarp)) return false;
     reject({"frame " + photo.file.filename().string(), "no_focal_length",
             "the image has neither DewarpData nor a 35 mm equivalent focal length"});
@@ -279,7 +295,8 @@ Outcome import_dji(const ImportDjiInputs& in, const fs::path& out, base::RunCont
     timed = timed && photo.metadata.civil_time_ns.has_value();
     frame.T_world_camera = {camera::enu_from_camera(photo.angles), frame_of_survey.to_local(position)};
     if (turned[i]) frame.T_world_camera.rotation = camera::turned_half(frame.T_world_camera.rotation);
-    frame.camera = cameras.id_of(*dji_camera(photo.metadata, from_dewarp), photo.metadata, turned[i]);
+    frame.camera = cameras.id_of(given_camera ? *given_camera : *dji_camera(photo.metadata, from_dewarp),
+                                 photo.metadata, turned[i]);
     set_sigmas(photo.metadata.dji, frame);
     flight_yaw = flight_yaw || !photo.gimbal_yaw;
     survey.frames.push_back(std::move(frame));
@@ -309,7 +326,7 @@ Outcome import_dji(const ImportDjiInputs& in, const fs::path& out, base::RunCont
   if (!in.rotate.empty())
     images.convention +=
         " Poses of " + in.rotate + " were turned by 180 degrees about the optical axis, as their pixels were.";
-  images.confidence = survey::Confidence::inferred;
+  images.confidence = given_camera ? survey::Confidence::declared : survey::Confidence::inferred;
   survey.manifest.sources.push_back(images);
   if (timed)
     survey.manifest.notes.emplace_back(

@@ -19,6 +19,8 @@ struct ImportDjiInputs {
   std::string takeoff_datum = "ellipsoidal";
   // Image stems whose pixels were turned by 180 degrees after the flight: names, ranges A-B, comma-separated.
   std::string rotate;
+  // Intrinsics instead of those of the photographs, as parse_camera reads them; "" = none.
+  std::string camera;
 };
 
 // Sigmas where the aircraft gives none. Consumer GNSS; the barometer over one flight; gimbal attitude
@@ -31,8 +33,9 @@ inline constexpr double kGnssSigmaXyM = 3.0, kBarometerSigmaZM = 1.0, kGimbalSig
 // alone (relative_takeoff). AbsoluteAltitude without RTK is never used.
 // Origin: the given one, else the first frame's position to 4 decimals of a degree at the take-off
 // height (0 for relative heights, a whole metre for RTK).
-// Camera: DewarpData where there is any, else the 35 mm equivalent focal length over 36 mm of width,
-// principal point at the centre; the size is that of the image files.
+// Camera: the given one, else DewarpData where there is any, else the 35 mm equivalent focal length over
+// 36 mm of width (off by up to 3 %: makers round it, and some mean the diagonal), principal point at the
+// centre; the size is that of the image files.
 // Frames without position, attitude or height are rejected, with the reason; with strict they throw.
 [[nodiscard]] Outcome import_dji(const ImportDjiInputs& in, const std::filesystem::path& out, base::RunContext& ctx);
 

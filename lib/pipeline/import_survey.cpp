@@ -5,11 +5,13 @@
 #include <map>
 #include <numeric>
 #include <set>
+#include <span>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "geodesy/local_frame.hpp"
+#include "io/colmap_model.hpp"
 #include "io/csv.hpp"
 #include "io/survey_folder.hpp"
 #include "io/survey_json.hpp"
@@ -141,6 +143,36 @@ geometry::Geodetic parse_origin(std::string_view text) {
   const geometry::Geodetic origin{values[0], values[1], values[2]};
   const geodesy::LocalFrame checked(origin);  // refuses a position off the globe
   return origin;
+}
+
+survey::Camera parse_camera(const std::string& text) {
+  const auto refuse = [&](std::string message) {
+    return Error(ErrorCode::invalid_argument, std::move(message))
+        .found("'" + text + "'")
+        .allowed("MODEL,WIDTH,HEIGHT,PARAMETERS, for example PINHOLE,1600,900,914.3,914.3,800,450");
+  };
+  std::vector<double> numbers;
+  std::string_view rest = text;
+  const auto name_end = std::min(rest.find_first_of(", "), rest.size());
+  const io::ColmapCameraModel* model = io::find_colmap_model(rest.substr(0, name_end));
+  if (model == nullptr) throw refuse("unknown camera model");
+  rest.remove_prefix(name_end);
+  while (!rest.empty()) {
+    rest.remove_prefix(1);
+    const auto end = std::min(rest.find_first_of(", "), rest.size());
+    const auto value = base::parse_real(rest.substr(0, end));
+    if (!value) throw refuse("not a camera");
+    numbers.push_back(*value);
+    rest.remove_prefix(end);
+  }
+  if (numbers.size() < 2) throw refuse("not a camera");
+  try {
+    survey::Camera camera = io::make_colmap_camera(1, *model, numbers[0], numbers[1], std::span(numbers).subspan(2));
+    camera.name = "camera 1";
+    return camera;
+  } catch (const Error& error) {
+    throw refuse(error.what());
+  }
 }
 
 std::vector<survey::FrameId> frame_ids_for(const std::vector<std::string>& image_names) {

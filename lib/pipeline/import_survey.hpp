@@ -41,6 +41,10 @@ struct Imported {
 // position off the globe.
 [[nodiscard]] geometry::Geodetic parse_origin(std::string_view text);
 
+// "MODEL,WIDTH,HEIGHT,PARAMETERS" in COLMAP's models and order, for the image files' pixels, for example
+// "PINHOLE,1600,900,914.3,914.3,800,450". Throws invalid_argument.
+[[nodiscard]] survey::Camera parse_camera(const std::string& text);
+
 // Frame ids that people recognise: the number at the end of each image's stem (DJI_0018 -> 18) where
 // every image has one and no two share it, else 1, 2, 3 in the order of the names.
 [[nodiscard]] std::vector<survey::FrameId> frame_ids_for(const std::vector<std::string>& image_names);

@@ -14,8 +14,7 @@
 namespace cairn::pipeline {
 
 // rocks.json with the meshes of rocks/<id>.ply.
-[[nodiscard]] std::vector<report::RockView> read_rock_views(const std::filesystem::path& products,
-                                                            base::RunContext& ctx);
+[[nodiscard]] std::vector<report::RockView> read_rock_views(const ReportInputs& in, base::RunContext& ctx);
 
 // Which triangles of a mesh closed on the plane of the ground were seen: those without a vertex on that plane.
 // contact: at least three points of the plane [m]. Empty where that does not explain the unseen share of
@@ -25,7 +24,7 @@ namespace cairn::pipeline {
                                                        double unseen_area_fraction);
 
 // coverage.json and gaps.json; histograms from the bands of views.tif where coverage.json has none.
-[[nodiscard]] std::optional<report::CoverageView> read_coverage_view(const std::filesystem::path& products,
+[[nodiscard]] std::optional<report::CoverageView> read_coverage_view(const ReportInputs& in,
                                                                      const survey::Survey& survey,
                                                                      const std::optional<io::Raster>& views);
 

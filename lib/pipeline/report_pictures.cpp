@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <set>
@@ -32,6 +33,28 @@ std::vector<const survey::Detection*> best_detections(const survey::Target& targ
   for (const survey::Detection* d : all)
     if (out.size() < count && used.insert(d->frame).second) out.push_back(d);
   return out;
+}
+
+// A cell without a point among neighbours that have some takes their mean: the cloud's own grain, not a gap.
+void fill_pinholes(report::ColourView& view) {
+  constexpr std::size_t kNeighbours = 4;  // of eight
+  const std::vector<std::uint8_t> known = view.mask;
+  const std::size_t columns = view.geometry.columns, rows = view.geometry.rows;
+  for (std::size_t r = 1; r + 1 < rows; ++r)
+    for (std::size_t c = 1; c + 1 < columns; ++c) {
+      if (known[r * columns + c] != 0) continue;
+      std::array<std::size_t, 3> sum{};
+      std::size_t n = 0;
+      for (std::size_t y = r - 1; y <= r + 1; ++y)
+        for (std::size_t x = c - 1; x <= c + 1; ++x) {
+          if (known[y * columns + x] == 0) continue;
+          for (std::size_t k = 0; k < 3; ++k) sum[k] += view.colours[y * columns + x][k];
+          ++n;
+        }
+      if (n < kNeighbours) continue;
+      view.mask[r * columns + c] = 1;
+      for (std::size_t k = 0; k < 3; ++k) view.colours[r * columns + c][k] = static_cast<std::uint8_t>(sum[k] / n);
+    }
 }
 
 }  // namespace
@@ -112,6 +135,7 @@ std::optional<report::ColourView> cloud_colours(const survey::Survey& survey,
     view.mask[i] = 1;
     for (std::size_t k = 0; k < 3; ++k) view.colours[i][k] = static_cast<std::uint8_t>(sums[i][k] / sums[i][3] >> 8U);
   }
+  fill_pinholes(view);
   return view;
 }
 

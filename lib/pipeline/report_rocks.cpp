@@ -16,7 +16,7 @@ constexpr double kFractionTolerance = 0.02;  // of the area; a different closure
 // Contact points of rocks/<id>.json; empty where there is no such file.
 std::vector<geometry::Vec3> contact_points(const std::filesystem::path& file) {
   std::vector<geometry::Vec3> points;
-  if (!std::filesystem::exists(file)) return points;
+  if (file.empty()) return points;
   const io::Json json = io::read_json(file);
   const io::Json* contact = json.find("contact");
   const io::Json* list = contact == nullptr || !contact->is_object() ? nullptr : contact->find("points");
@@ -60,23 +60,23 @@ std::vector<std::uint8_t> seen_triangles(const geometry::TriangleMesh& mesh, con
   return seen;
 }
 
-std::vector<report::RockView> read_rock_views(const std::filesystem::path& products, base::RunContext& ctx) {
+std::vector<report::RockView> read_rock_views(const ReportInputs& in, base::RunContext& ctx) {
   std::vector<report::RockView> views;
-  const auto file = products / "rocks.json";
-  if (!std::filesystem::exists(file)) return views;
+  const auto file = in.product("fragility", "rocks.json");
+  if (file.empty()) return views;
   for (survey::Rock& rock : io::read_rocks(file).rocks) {
     ctx.check_stop();
     report::RockView view;
     const std::string id = std::to_string(rock.target.value);
-    const auto mesh = products / "rocks" / (id + ".ply");
-    if (!rock.rejected && std::filesystem::exists(mesh)) {
+    const auto mesh = in.product("surface", "rocks/" + id + ".ply");
+    if (!rock.rejected && !mesh.empty()) {
       view.mesh = io::read_ply_mesh(mesh).mesh;
-      std::vector<geometry::Vec3> contact = contact_points(products / "rocks" / (id + ".json"));
+      std::vector<geometry::Vec3> contact = contact_points(in.product("surface", "rocks/" + id + ".json"));
       if (contact.empty()) contact = rock.tipping.contact;
       if (rock.cap == survey::CapModel::plane)
         view.facet_seen = seen_triangles(*view.mesh, contact, rock.unseen_area_fraction);
     }
-    if (std::filesystem::exists(products / "rocks" / (id + ".glb"))) view.model_file = "rocks/" + id + ".glb";
+    if (!in.product("surface", "rocks/" + id + ".glb").empty()) view.model_file = "rocks/" + id + ".glb";
     view.rock = std::move(rock);
     views.push_back(std::move(view));
   }

@@ -1,6 +1,7 @@
 #include "pipeline/report_stage.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -27,6 +28,10 @@ using base::ErrorCode;
 
 constexpr double kFootprintRange_m = 500.0;
 
+bool counts(const ReportInputs& in, std::string_view stage) {
+  return in.stages.empty() || std::find(in.stages.begin(), in.stages.end(), stage) != in.stages.end();
+}
+
 // First band as floats, integers' nodata as NaN.
 geometry::Grid<float> float_band(const io::RasterBand& band) {
   return std::visit(
@@ -44,7 +49,7 @@ geometry::Grid<float> float_band(const io::RasterBand& band) {
 }
 
 std::optional<io::Raster> raster_of(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
+  if (file.empty()) return std::nullopt;
   io::Raster raster = io::read_raster(file);
   if (raster.bands.empty()) return std::nullopt;
   return raster;
@@ -55,6 +60,17 @@ void add_raster(report::ReportData& data, const std::optional<io::Raster>& raste
   if (raster) data.rasters.push_back({role, float_band(raster->bands.front()), std::move(unit)});
 }
 
+// The map shows ground that was measured: cells whose band `observed` is 0 become empty.
+void hide_interpolated(const io::Raster& surface, geometry::Grid<float>& heights) {
+  for (const io::RasterBand& band : surface.bands) {
+    if (band.name != "observed") continue;
+    const geometry::Grid<float> observed = float_band(band);
+    if (observed.values.size() != heights.values.size()) return;
+    for (std::size_t i = 0; i < heights.values.size(); ++i)
+      if (!(observed.values[i] > 0.0F)) heights.values[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 void check_frame(const survey::Origin& product, const survey::Origin& survey, const fs::path& file) {
   if (product.position == survey.position) return;
   throw Error(ErrorCode::crs_mismatch, "the product stands in another local frame than the survey")
@@ -63,7 +79,7 @@ void check_frame(const survey::Origin& product, const survey::Origin& survey, co
 }
 
 std::optional<report::RouteView> route_of(const fs::path& file) {
-  if (!fs::exists(file)) return std::nullopt;
+  if (file.empty()) return std::nullopt;
   const io::Json json = io::read_json(file);
   report::RouteView route;
   for (const io::Json& p : json.at("path_m").as_array()) {
@@ -110,14 +126,15 @@ void add_frames(report::ReportData& data, const survey::Survey& survey) {
 }
 
 // What the stages before left out and warned of, in the order of their names.
-void add_stage_records(report::ReportData& data, const fs::path& products) {
-  const fs::path folder = products / ".cairn";
+void add_stage_records(report::ReportData& data, const ReportInputs& in) {
+  const fs::path folder = in.products / ".cairn";
   if (!fs::is_directory(folder)) return;
   std::set<fs::path> files;
   for (const auto& entry : fs::directory_iterator(folder))
     if (entry.is_regular_file() && entry.path().extension() == ".json") files.insert(entry.path());
   for (const fs::path& file : files) {
     const std::string stage = file.stem().string();
+    if (!counts(in, stage)) continue;
     const io::Json json = io::read_json(file);
     if (stage == "report" || json.find("rejects") == nullptr) continue;
     for (const io::Json& r : json.at("rejects").as_array())
@@ -154,7 +171,8 @@ class ReportStage final : public Stage {
  public:
   [[nodiscard]] std::string_view name() const override { return "report"; }
   [[nodiscard]] std::vector<std::string> uses() const override {
-    return {"locate", "segment", "surface", "fragility", "terrain", "coverage", "obstacles", "costmap", "route"};
+    return {"locate",   "segment",   "surface", "fragility", "terrain",
+            "coverage", "obstacles", "costmap", "route",     "layers"};
   }
   [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
   [[nodiscard]] Estimate estimate(const StageInputs&) const override {
@@ -162,7 +180,7 @@ class ReportStage final : public Stage {
   }
   Outcome run(const StageInputs& in, const fs::path& out, base::RunContext& ctx) override {
     fs::create_directories(out / "report");
-    return report_stage({in.products, in.survey, false}, out / "report", options_, ctx);
+    return report_stage({in.products, in.survey, in.available, false}, out / "report", options_, ctx);
   }
 
  private:
@@ -170,6 +188,11 @@ class ReportStage final : public Stage {
 };
 
 }  // namespace
+
+fs::path ReportInputs::product(std::string_view stage, const std::string& name) const {
+  const fs::path file = products / name;
+  return counts(*this, stage) && fs::exists(file) ? file : fs::path();
+}
 
 report::ReportData gather_report(const ReportInputs& in, const ReportStageOptions& options, base::RunContext& ctx) {
   report::ReportData data;
@@ -179,37 +202,40 @@ report::ReportData gather_report(const ReportInputs& in, const ReportStageOption
   if (!in.survey.empty()) {
     survey = io::read_survey(in.survey);
     data.manifest = survey.manifest;
+    // Where the files lie on this machine is nobody else's business; run.json keeps it.
+    for (survey::Source& source : data.manifest.sources) source.path = fs::path(source.path).filename().string();
     data.detections = survey.detections.size();
   }
-  const fs::path targets = in.products / "targets.json", obstacles = in.products / "obstacles.json";
-  if (fs::exists(targets)) {
+  const fs::path targets = in.product("locate", "targets.json"), obstacles = in.product("obstacles", "obstacles.json");
+  if (!targets.empty()) {
     io::TargetsFile file = io::read_targets(targets);
     if (in.survey.empty()) data.manifest.origin = file.frame;
     check_frame(file.frame, data.manifest.origin, targets);
     for (survey::Target& t : file.targets) data.targets.push_back({std::move(t), {}});
   }
-  if (fs::exists(obstacles)) {
+  if (!obstacles.empty()) {
     io::ObstaclesFile file = io::read_obstacles(obstacles);
     if (in.survey.empty() && data.targets.empty()) data.manifest.origin = file.frame;
     check_frame(file.frame, data.manifest.origin, obstacles);
     data.obstacles = std::move(file.obstacles);
   }
-  data.rocks = read_rock_views(in.products, ctx);
-  const auto surface = raster_of(in.products / "surface.tif");
-  const auto views = raster_of(in.products / "views.tif");
-  const auto costmap = raster_of(in.products / "costmap.tif");
+  data.rocks = read_rock_views(in, ctx);
+  const auto surface = raster_of(in.product("terrain", "surface.tif"));
+  const auto views = raster_of(in.product("coverage", "views.tif"));
+  const auto costmap = raster_of(in.product("costmap", "costmap.tif"));
   add_raster(data, surface, report::RasterRole::surface, "m");
+  if (surface) hide_interpolated(*surface, data.rasters.back().grid);
   add_raster(data, views, report::RasterRole::views, "views");
   add_raster(data, costmap, report::RasterRole::costmap, "cost");
-  data.coverage = read_coverage_view(in.products, survey, views);
-  data.route = route_of(in.products / "route.json");
+  data.coverage = read_coverage_view(in, survey, views);
+  data.route = route_of(in.product("route", "route.json"));
   if (!in.survey.empty()) {
     add_frames(data, survey);
     add_input_digests(data, survey, in.survey);
     if (options.page.photos && options.photos_per_object > 0) add_photos(data.targets, survey, in.survey, options, ctx);
     if (options.colours) data.colours = cloud_colours(survey, in.survey, options.colour_cell_m, ctx);
   }
-  add_stage_records(data, in.products);
+  add_stage_records(data, in);
   if (in.read_run_record) add_run_record(data, in.products / "run.json");
   return data;
 }
@@ -226,10 +252,18 @@ Outcome report_stage(const ReportInputs& in, const fs::path& folder, const Repor
   std::size_t photos = 0, meshes = 0;
   for (const auto& t : data.targets) photos += t.photos.size();
   for (const auto& r : data.rocks) meshes += r.mesh ? 1U : 0U;
+  constexpr std::array<std::pair<const char*, const char*>, 9> kProducts{{{"locate", "targets.json"},
+                                                                          {"fragility", "rocks.json"},
+                                                                          {"obstacles", "obstacles.json"},
+                                                                          {"coverage", "coverage.json"},
+                                                                          {"coverage", "gaps.json"},
+                                                                          {"terrain", "surface.tif"},
+                                                                          {"coverage", "views.tif"},
+                                                                          {"costmap", "costmap.tif"},
+                                                                          {"route", "route.json"}}};
   std::vector<std::string> missing;
-  for (const char* name : {"targets.json", "rocks.json", "obstacles.json", "coverage.json", "gaps.json", "surface.tif",
-                           "views.tif", "costmap.tif", "route.json"})
-    if (!fs::exists(in.products / name)) missing.emplace_back(name);
+  for (const auto& [stage, name] : kProducts)
+    if (in.product(stage, name).empty()) missing.emplace_back(name);
   Outcome outcome;
   outcome.summary = io::Json::object({{"bytes", page.size()},
                                       {"objects", data.targets.size()},

@@ -3,6 +3,9 @@
 
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
 
 #include "base/options.hpp"
 #include "base/run_context.hpp"
@@ -31,9 +34,15 @@ struct ReportStageOptions {
 struct ReportInputs {
   std::filesystem::path products;  // folder of the results
   std::filesystem::path survey;    // survey folder; "" = none: no photographs, frames and footprints
+  // Stages of the recipe whose products count; empty = all that is there. A folder may hold products
+  // of an earlier recipe that this one does not make.
+  std::vector<std::string> stages;
   // Whether run.json of the products is read for seed, options and input hashes. A recipe's own
   // stage runs before that file is complete and must not.
   bool read_run_record = false;
+
+  // Path of a stage's product; "" where it does not count or is not there.
+  [[nodiscard]] std::filesystem::path product(std::string_view stage, const std::string& name) const;
 };
 
 // What the report shows, read from targets.json, rocks.json, rocks/<id>.{ply,json}, obstacles.json, coverage.json,

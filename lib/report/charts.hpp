@@ -19,7 +19,7 @@ namespace cairn::report {
 // A small line of values, for histories.
 [[nodiscard]] Html spark_line(std::span<const double> values, std::string_view label);
 
-// The next of 1, 2, 2.5, 5 times a power of ten at or above value > 0.
+// The next of 1, 1.5, 2, 2.5, 3, 4, 5, 6, 8 times a power of ten at or above value > 0.
 [[nodiscard]] double nice_ceiling(double value);
 
 }  // namespace cairn::report

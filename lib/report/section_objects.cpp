@@ -30,7 +30,9 @@ void tipping(Html& h, const survey::Rock& rock) {
   h.raw("<section class=\"tipping\"><h4>Tipping</h4>");
   // The gate of the whole report: below it nothing of the tipping figures may be written.
   if (t.grade == survey::Grade::not_measurable || !t.critical) {
-    h.raw("<div class=\"withheld\"><p><b>No tipping figure is given.</b> Too little was seen of the rock or of its contact:</p>");
+    h.raw(
+        "<div class=\"withheld\"><p><b>No tipping figure is given.</b> Too little was seen of the rock or of its "
+        "contact:</p>");
     reasons(h, t.reasons);
     h.raw("</div></section>");
     return;

@@ -137,7 +137,8 @@ Html header_section(const PageContext& page) {
   if (!date.empty()) h.raw("<span>").text(date).raw("</span>");
   const auto short_degrees = [](const std::string& text) {
     const std::size_t point = text.find('.'), sign = text.find("°");
-    return point == std::string::npos || sign == std::string::npos ? text : text.substr(0, point + 5) + text.substr(sign);
+    return point == std::string::npos || sign == std::string::npos ? text
+                                                                   : text.substr(0, point + 5) + text.substr(sign);
   };
   h.raw("<span>")
       .text(short_degrees(latitude_text(origin.latitude_deg)) + ", " +

@@ -46,7 +46,11 @@ void gap_table(Html& h, const CoverageView& c) {
         .text(fixed(g.centroid.y(), 1))
         .raw("</td><td>");
     for (const std::string& code : g.reasons)
-      h.raw("<span class=\"code\"").attr("title", reason_sentence(code)).raw(">").text(words_of(code)).raw("</span> ");
+      h.raw("<span class=\"code\"")
+          .attr("title", coverage_sentence(code))
+          .raw(">")
+          .text(words_of(code))
+          .raw("</span> ");
     if (!g.suggestion.empty()) h.raw("<small>").text(g.suggestion).raw("</small>");
     h.raw("</td><td class=\"quiet\">").text(joined(g.nearest_frames, ", ")).raw("</td></tr>");
   }
@@ -66,7 +70,7 @@ void gap_table(Html& h, const CoverageView& c) {
     h.raw("<div><dt><code>")
         .text(code)
         .raw("</code></dt><dd>")
-        .text(reason_sentence(code))
+        .text(coverage_sentence(code))
         .raw(" <span class=\"quiet\">")
         .text(plural(n.first, "gap", "gaps") + ", " + fixed(n.second, 1) + "\u202fm²")
         .raw("</span></dd></div>");
@@ -90,7 +94,7 @@ Html coverage_section(const PageContext& page) {
   h.text(".").raw("</p>");
   if (c.validation) h.raw("<p>").text(*c.validation).raw("</p>");
   if (!c.gates.empty()) {
-    h.raw("<div class=\"gates\">");
+    h.raw("<h3>Gates, each on its own</h3><div class=\"gates\">");
     for (const Gate& g : c.gates) {
       const std::string percent = fixed(100.0 * g.pass_fraction, 1);
       h.raw("<div class=\"gate-row\"><span>").text(words_of(g.name)).raw("</span><span class=\"quiet\">").text(g.rule);
@@ -101,7 +105,33 @@ Html coverage_section(const PageContext& page) {
     }
     h.raw("</div>");
   }
-  h.raw("<div class=\"charts\">");
+  double total = 0.0;
+  for (const VerdictArea& v : c.verdicts) total += v.area_m2;
+  if (total > 0.0) {
+    h.raw("<h3>What becomes of the surface</h3><div class=\"gates\">");
+    for (const VerdictArea& v : c.verdicts) {
+      if (!(v.area_m2 > 0.0)) continue;
+      const std::string width = Html::short_number(100.0 * v.area_m2 / total, 2);
+      h.raw("<div class=\"gate-row\"><span>").text(words_of(v.verdict)).raw("</span><span class=\"quiet\">");
+      h.text(fixed(v.area_m2, 0) + "\u202fm²").raw("</span><i");
+      if (v.verdict != "passed") h.raw(" class=\"failing\"");
+      h.attr("title", coverage_sentence(v.verdict))
+          .raw("><b")
+          .attr("style", "width:" + width + "%")
+          .raw("></b></i><span class=\"n\">");
+      h.text(fixed(100.0 * v.area_m2 / total, 1) + "\u202f%").raw("</span></div>");
+    }
+    h.raw("</div><dl class=\"codes\">");
+    for (const VerdictArea& v : c.verdicts)
+      if (v.area_m2 > 0.0 && v.verdict != "passed")
+        h.raw("<div><dt><code>")
+            .text(v.verdict)
+            .raw("</code></dt><dd>")
+            .text(coverage_sentence(v.verdict))
+            .raw("</dd></div>");
+    h.raw("</dl>");
+  }
+  h.raw("<h3>Distribution</h3><div class=\"charts\">");
   for (const Histogram& histogram : c.histograms)
     if (histogram.areas_m2.size() + 1 == histogram.edges.size() && histogram.edges.size() > 1 &&
         histogram.edges.front() < histogram.edges.back())

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/number_text.hpp"
 #include "geometry/kd_tree.hpp"
+#include "geometry/winding_number.hpp"
 #include "surface/alpha_wrap.hpp"
 #include "surface/mesh_checks.hpp"
 #include "surface/top_surface.hpp"
@@ -78,17 +80,36 @@ geometry::TriangleMesh deflated(const geometry::TriangleMesh& mesh, double offse
   return result;
 }
 
+// A wrap that went through a gap lines the inside of the rock too: its middle lies outside then.
+// Gaps are unknown beforehand (random points leave far larger ones than a regular scan), so alpha grows until
+// the middle is enclosed. Empty where that would take an alpha of a third of the rock.
+std::optional<geometry::TriangleMesh> tight_wrap(const std::vector<Vec3>& all, double alpha, double offset) {
+  const auto middle = geometry::mass_properties(convex_hull(all)).centre_of_mass;
+  geometry::Box3 box;
+  for (const auto& p : all) box.extend(p);
+  constexpr double kGrowth = 1.5;
+  for (; alpha <= box.size().maxCoeff() / 3.0; alpha *= kGrowth) {
+    auto mesh = alpha_wrap(all, alpha, offset);
+    if (geometry::winding_number(mesh, middle) > 0.5) return mesh;
+  }
+  return std::nullopt;
+}
+
+// Empty where the wrap leaks.
 FlaggedMesh wrap_body(const BodyInput& input, const BodyOptions& options, std::vector<std::string>& notes) {
   const double alpha = options.wrap_alpha_factor * input.spacing;
-  const double offset = options.wrap_offset_factor * alpha;
+  const double offset = options.wrap_offset_factor * input.spacing;
   std::vector<Vec3> all(input.points.begin(), input.points.end());
   const auto base = base_points(input, 0.5 * alpha);
   all.insert(all.end(), base.begin(), base.end());
   FlaggedMesh result;
-  result.mesh = alpha_wrap(all, alpha, offset);
-  auto tight = deflated(result.mesh, offset);
-  if (self_intersects(tight)) notes.emplace_back("offset_kept");
-  else result.mesh = std::move(tight);
+  auto wrap = tight_wrap(all, alpha, offset);
+  if (!wrap) return result;
+  result.mesh = deflated(*wrap, offset);
+  if (self_intersects(result.mesh)) {
+    notes.emplace_back("offset_kept");
+    result.mesh = std::move(*wrap);
+  }
   const std::vector<Vec3> rock(input.points.begin(), input.points.end());
   const geometry::KdTree tree(rock);
   for (std::size_t t = 0; t < result.mesh.triangles.size(); ++t)
@@ -133,7 +154,7 @@ void BodyOptions::visit(base::OptionVisitor& visitor) {
   visitor.integer("wrap-min-points", wrap_min_points, 4, 100'000'000, "fewest points for wrap under auto");
   visitor.real("wrap-min-flanks", wrap_min_flanks, 0.0, 1.0, "least share of flanks seen for wrap under auto");
   visitor.real("wrap-alpha-factor", wrap_alpha_factor, 1.0, 100.0, "alpha in point spacings");
-  visitor.real("wrap-offset-factor", wrap_offset_factor, 0.01, 1.0, "offset as a share of alpha");
+  visitor.real("wrap-offset-factor", wrap_offset_factor, 0.05, 10.0, "offset in point spacings");
   visitor.real("rim-edge-factor", rim_edge_factor, 1.0, 1000.0,
                "top: outline edges longer than this many plan spacings are followed inwards");
   visitor.real("clearance-m", clearance_m, 1e-6, 1.0, "top: least height of the surface above its cap");
@@ -149,9 +170,14 @@ std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const Bo
   body.method = options.method == "auto" ? (dense ? "wrap" : "top") : options.method;
   if (body.method == "wrap") {
     if (!(input.spacing > 0.0)) return reject("flat_points", "all points coincide");
-    body.cap = survey::CapModel::wrap;
     auto mesh = wrap_body(input, options, body.notes);
-    return finish(std::move(mesh), std::move(body));
+    if (!mesh.mesh.triangles.empty()) {
+      body.cap = survey::CapModel::wrap;
+      return finish(std::move(mesh), std::move(body));
+    }
+    if (options.method == "wrap") return reject("wrap_leaks", "the points leave gaps of more than a third of the rock");
+    body.notes.emplace_back("wrap_leaked");
+    body.method = "top";
   }
   auto mesh = top_body(input, options);
   if (mesh.mesh.triangles.empty()) return reject("flat_points", "the points span no area in plan");

@@ -21,11 +21,11 @@ struct BodyOptions {
   // auto: wrap where there are at least wrap-min-points and the flanks were seen, else top.
   std::string method = "auto";
   std::int64_t wrap_min_points = 500;
-  double wrap_min_flanks = 0.75;     // share of azimuths whose flank was seen from the ground up
-  double wrap_alpha_factor = 4.0;    // alpha = this many spacings
-  double wrap_offset_factor = 0.25;  // offset = this share of alpha; taken off again afterwards
-  double rim_edge_factor = 5.0;      // top: outline edges longer than this many plan spacings are followed inwards
-  double clearance_m = 0.002;        // top: least height of the surface above its cap
+  double wrap_min_flanks = 0.75;    // share of azimuths whose flank was seen from the ground up
+  double wrap_alpha_factor = 4.0;   // alpha = this many spacings; grown while the wrap leaks into the rock
+  double wrap_offset_factor = 1.0;  // offset = this many spacings; taken off again afterwards
+  double rim_edge_factor = 5.0;     // top: outline edges longer than this many plan spacings are followed inwards
+  double clearance_m = 0.002;       // top: least height of the surface above its cap
 
   void visit(base::OptionVisitor& visitor);
 };
@@ -53,11 +53,12 @@ struct RockBody {
   BodyQuality quality;
   geometry::MassProperties mass;   // unit density
   double hull_volume = 0.0;        // m^3, convex hull of the mesh: upper bound
-  std::vector<std::string> notes;  // codes: offset_kept, turned_outwards, self_intersecting
+  std::vector<std::string> notes;  // codes: offset_kept, wrap_leaked, turned_outwards, self_intersecting
 };
 
 // Rejects (record left to the caller): too_few_points, flat_points (no area in plan or no volume), surface_not_closed,
-// self_intersecting, several_pieces: volumes of such meshes are never reported.
+// self_intersecting, several_pieces, wrap_leaks (the points leave gaps of more than a third of the rock; under
+// `auto` the top surface is taken instead, with the note wrap_leaked): volumes of such meshes are never reported.
 [[nodiscard]] std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options);
 
 // Quality, mass and hull of a mesh that is there already (welded, turned outwards where its volume is

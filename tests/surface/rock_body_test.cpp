@@ -98,6 +98,37 @@ TEST(RockBody, WrapOfARockSeenAllRound) {
   EXPECT_LT(body.quality.unseen_area_fraction, cap_share + 0.15);
 }
 
+// Random points leave gaps of several spacings: the wrap must not line the inside.
+TEST(RockBody, WrapOfACylinderOfRandomPoints) {
+  base::Random random(31, "post", 0);
+  std::vector<Vec3> points;
+  for (int i = 0; i < 9400 + 1960; ++i) {
+    const double angle = random.uniform(0, 2 * std::numbers::pi);
+    const double r = i < 9400 ? 0.5 : 0.5 * std::sqrt(random.uniform());
+    points.emplace_back(r * std::cos(angle), r * std::sin(angle), i < 9400 ? random.uniform(0.05, 1.2) : 1.2);
+  }
+  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0}, {}));
+  expect_sound(body);
+  EXPECT_EQ(body.method, "wrap");
+  EXPECT_NEAR(body.mass.volume / (std::numbers::pi * .25 * 1.2), 1.0, 0.02);
+  EXPECT_NEAR(body.mass.centre_of_mass.z(), 0.6, 0.01);
+}
+
+// Half the wall is missing: nothing encloses the middle, and that is said.
+TEST(RockBody, WrapThatLeaksIsNotUsed) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 60; ++i)
+    for (int k = 2; k < 60; ++k) {
+      const double angle = std::numbers::pi * i / 60;
+      points.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.02 * k);
+    }
+  BodyOptions options;
+  options.method = "wrap";
+  const auto result = build_body({points, ground_at_zero, 0.02, 1.0}, options);
+  ASSERT_TRUE(std::holds_alternative<base::Reject>(result));
+  EXPECT_EQ(std::get<base::Reject>(result).reason, "wrap_leaks");
+}
+
 TEST(RockBody, MethodIsChosenByWhatWasSeen) {
   const auto points = scanned_ellipsoid(0.02, 0.0);
   EXPECT_EQ(must(build_body({points, ground_at_zero, 0.01, 0.2}, {})).method, "top");

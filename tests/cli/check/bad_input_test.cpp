@@ -89,7 +89,7 @@ TEST_F(CheckBadInput, ImageOfAnotherSize) {
 TEST_F(CheckBadInput, FrameWithoutPose) {
   write_small();
   for (std::size_t column = kX; column < kX + 7; ++column) replace_cell(survey_ / "frames.csv", 2, column, "");
-  expect("frame_without_pose", "frames.csv", "line 4", "''", "T_world_camera", "Give the frame its pose");
+  expect("frame_without_pose", "frames.csv", "line 4", "an empty cell", "T_world_camera", "Give the frame its pose");
 }
 
 TEST_F(CheckBadInput, NanPose) {

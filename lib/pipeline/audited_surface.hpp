@@ -1,0 +1,35 @@
+// The surface that a coverage audit looks at, from a raster or a mesh file.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "geodesy/local_frame.hpp"
+#include "geometry/grid.hpp"
+#include "geometry/triangle_mesh.hpp"
+
+namespace cairn::pipeline {
+
+struct AuditedSurface {
+  geometry::TriangleMesh mesh;         // local ENU of the views, m
+  std::vector<std::uint8_t> observed;  // one flag a facet; empty where all were
+  // Of a raster: its grid and CRS, and the cell of each facet. Empty for a mesh.
+  std::optional<geometry::GridGeometry> grid;
+  std::string crs;
+  std::vector<std::uint32_t> facet_cell;
+  std::vector<std::string> notes;  // what was assumed
+};
+
+// A GeoTIFF (by its first bytes), else a mesh of any format.
+//   raster: band `surface` or the first; band `observed` (0 = interpolated) where there is one. It must declare a CRS;
+//     heights are taken in the datum of the views' origin. Cells without a height are left out.
+//   mesh: in the local frame, unless it declares a CRS.
+// frame: of the views; empty where they have none (a camera table): then a mesh is taken as it stands and a raster is
+// refused with failed_precondition. Throws not_found, invalid_input, crs_mismatch.
+[[nodiscard]] AuditedSurface read_audited_surface(const std::filesystem::path& path,
+                                                  const std::optional<geodesy::LocalFrame>& frame);
+
+}  // namespace cairn::pipeline
