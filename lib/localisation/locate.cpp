@@ -199,7 +199,7 @@ LocateResult locate(const survey::Survey& survey, const LocateOptions& given, ba
     ctx.warn(
         "locate: nothing says how far away the objects are (no tie points, terrain, --ground-up-m or "
         "--max-depth-m); 3 m to 18 m is assumed");
-  ctx.check_memory(prepared.boxes.size() * static_cast<std::size_t>(options.points) * 3 * sizeof(double),
+  ctx.check_memory(prepared.boxes.size() * static_cast<std::size_t>(options.points_per_target) * 3 * sizeof(double),
                    "the points of the targets");
 
   PointsTracker tracker(prepared, depth, options, ctx);

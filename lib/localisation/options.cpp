@@ -16,7 +16,7 @@ void LocateOptions::visit(base::OptionVisitor& v) {
   v.real("enlargement-px", enlargement_px, 0.0, 1e4, "enlarge a new target's box by this on each side; 0 = by mode");
   v.real("duplicate-iou", duplicate_iou, 0.0, 1.0, "drop the weaker of two boxes of one class that overlap more");
   v.real("min-score", min_score, 0.0, 1.0, "drop detections with a lower score");
-  v.integer("points", points, 0, 1000000, "points per target; 0 = 1000 in paper, 2000 in robust");
+  v.integer("points-per-target", points_per_target, 0, 1000000, "points per target; 0 = 1000 in paper, 2000 in robust");
   v.real("min-depth-m", min_depth_m, 0.0, 1e5, "nearest depth of an object; 0 = from terrain or tie points");
   v.real("max-depth-m", max_depth_m, 0.0, 1e5, "farthest depth of an object; 0 = from terrain or tie points");
   v.real("ground-up-m", ground_up_m, -1e9, 1e5, "height of level ground, local up; -1e9 = not given");
@@ -61,7 +61,7 @@ LocateOptions resolved(LocateOptions options) {
                       "options of locate: gaussian-weight and uniform-weight are both 0")
         .hint("Give at least one of them a positive value");
   const bool paper = mode_of(options) == Mode::paper;
-  if (options.points == 0) options.points = paper ? kPaperPoints : kRobustPoints;
+  if (options.points_per_target == 0) options.points_per_target = paper ? kPaperPoints : kRobustPoints;
   if (options.enlargement_px == 0.0 && paper) options.enlargement_px = kPaperEnlargementPx;
   return options;
 }

@@ -24,8 +24,8 @@ struct LocateOptions {
   double min_score = 0.0;  // detections below are dropped; 0 keeps all
 
   // Points (A, 2.4 to 2.7).
-  std::int64_t points = 0;      // m; 0 = 1000 in paper (A's example), 2000 in robust (code)
-  double min_depth_m = 0.0;     // depth range along camera z; 0, 0 = from the terrain or the tie points where
+  std::int64_t points_per_target = 0;  // m; 0 = 1000 in paper (A's example), 2000 in robust (code)
+  double min_depth_m = 0.0;            // depth range along camera z; 0, 0 = from the terrain or the tie points where
   double max_depth_m = 0.0;     //   there are any, else 3 m to 18 m (code, granite); paper draws from 0 to the far end
   double ground_up_m = -1.0e9;  // height of a level ground [local up], used instead of tie points; -1e9 = none
   double height_above_ground_m = 10.0;   // objects stand at most this high: near end of the depth range (ours)

@@ -91,8 +91,8 @@ LiveTarget PointsTracker::generate(survey::TargetId id, std::size_t box_index) c
                     .object_class = box.object_class,
                     .random = ctx_.random("locate", static_cast<std::uint64_t>(id.value))};
   target.points =
-      generate_points(frame.view, enlarged(box.ideal, by_x, by_y), static_cast<std::size_t>(options_.points), range,
-                      mode_ == Mode::paper ? BoxFill::corner_weights : BoxFill::uniform, target.random);
+      generate_points(frame.view, enlarged(box.ideal, by_x, by_y), static_cast<std::size_t>(options_.points_per_target),
+                      range, mode_ == Mode::paper ? BoxFill::corner_weights : BoxFill::uniform, target.random);
   target.gaussian = fit_gaussian(target.points);
   target.boxes.push_back(box_index);
   target.keyframes.push_back(box.frame);
@@ -196,7 +196,7 @@ void PointsTracker::step(std::size_t frame_index) {
       }
     });
   }
-  const double least = options_.min_points_fraction * static_cast<double>(options_.points);
+  const double least = options_.min_points_fraction * static_cast<double>(options_.points_per_target);
   const auto pairs = associate(score, active.size(), boxes.size(), least);
 
   std::vector<bool> taken(boxes.size(), false);

@@ -124,11 +124,34 @@ std::vector<report::GapView> gaps_of(const std::filesystem::path& file, const su
   return out;
 }
 
+// "at most 60 deg in two views" -> "at most 60° in two views"
+std::string with_degree_sign(std::string rule) {
+  if (const auto at = rule.find(" deg"); at != std::string::npos) rule.replace(at, 4, "°");
+  return rule;
+}
+
+// Empty bins at both ends say nothing; those up to the gate stay.
+report::Histogram trimmed(report::Histogram h) {
+  if (h.areas_m2.empty() || h.edges.size() != h.areas_m2.size() + 1) return h;
+  std::size_t first = 0, last = h.areas_m2.size() - 1;
+  const auto idle = [&](std::size_t i) {
+    return !(h.areas_m2[i] > 0.0) && !(h.gate && *h.gate >= h.edges[i] && *h.gate <= h.edges[i + 1]);
+  };
+  while (last > first && idle(last)) --last;
+  if (h.edges.front() != 0.0 || last > 20)
+    while (first < last && idle(first)) ++first;
+  const auto at = [](auto& list, std::size_t i) { return list.begin() + static_cast<std::ptrdiff_t>(i); };
+  h.areas_m2 = {at(h.areas_m2, first), at(h.areas_m2, last + 1)};
+  h.edges = {at(h.edges, first), at(h.edges, last + 2)};
+  return h;
+}
+
 void read_gates(report::CoverageView& view, const io::Json& json) {
   const io::Json* gates = json.find("gates");
   if (gates == nullptr || !gates->is_array()) return;
   for (const io::Json& gate : gates->as_array())
-    view.gates.push_back({text_of(gate, "name"), text_of(gate, "rule"), real_of(gate, "pass_fraction")});
+    view.gates.push_back(
+        {text_of(gate, "name"), with_degree_sign(text_of(gate, "rule")), real_of(gate, "pass_fraction")});
 }
 
 void read_histograms(report::CoverageView& view, const io::Json& json) {
@@ -144,7 +167,8 @@ void read_histograms(report::CoverageView& view, const io::Json& json) {
     if (const io::Json* gate = item.find("gate"); gate != nullptr && gate->is_number()) h.gate = gate->as_real();
     if (const io::Json* side = item.find("gate_is_minimum"); side != nullptr && side->is_bool())
       h.gate_is_minimum = side->as_bool();
-    view.histograms.push_back(std::move(h));
+    if (h.unit == "deg") h.unit = "°";
+    view.histograms.push_back(trimmed(std::move(h)));
   }
 }
 
@@ -157,7 +181,9 @@ std::optional<report::CoverageView> read_coverage_view(const ReportInputs& in, c
   const io::Json json = io::read_json(file);
   report::CoverageView view;
   view.facets = static_cast<std::size_t>(std::max(0.0, real_of(json, "facets")));
-  view.area_m2 = real_of(json, "area_m2");
+  view.area_m2 = real_of(json, "observed_area_m2");
+  if (const io::Json* verdicts = json.find("area_m2_by_verdict"); verdicts != nullptr && verdicts->is_object())
+    for (const auto& [verdict, area] : verdicts->as_object()) view.verdicts.push_back({verdict, area.as_real()});
   view.complete_fraction = real_of(json, "completeness");
   if (const auto interval = reals_of(json, "completeness_interval_95"); interval.size() == 2)
     view.interval_95 = {interval[0], interval[1]};

@@ -60,6 +60,17 @@ void add_raster(report::ReportData& data, const std::optional<io::Raster>& raste
   if (raster) data.rasters.push_back({role, float_band(raster->bands.front()), std::move(unit)});
 }
 
+// The map shows ground that was measured: cells whose band `observed` is 0 become empty.
+void hide_interpolated(const io::Raster& surface, geometry::Grid<float>& heights) {
+  for (const io::RasterBand& band : surface.bands) {
+    if (band.name != "observed") continue;
+    const geometry::Grid<float> observed = float_band(band);
+    if (observed.values.size() != heights.values.size()) return;
+    for (std::size_t i = 0; i < heights.values.size(); ++i)
+      if (!(observed.values[i] > 0.0F)) heights.values[i] = std::numeric_limits<float>::quiet_NaN();
+  }
+}
+
 void check_frame(const survey::Origin& product, const survey::Origin& survey, const fs::path& file) {
   if (product.position == survey.position) return;
   throw Error(ErrorCode::crs_mismatch, "the product stands in another local frame than the survey")
@@ -160,7 +171,8 @@ class ReportStage final : public Stage {
  public:
   [[nodiscard]] std::string_view name() const override { return "report"; }
   [[nodiscard]] std::vector<std::string> uses() const override {
-    return {"locate", "segment", "surface", "fragility", "terrain", "coverage", "obstacles", "costmap", "route", "layers"};
+    return {"locate",   "segment",   "surface", "fragility", "terrain",
+            "coverage", "obstacles", "costmap", "route",     "layers"};
   }
   [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
   [[nodiscard]] Estimate estimate(const StageInputs&) const override {
@@ -212,6 +224,7 @@ report::ReportData gather_report(const ReportInputs& in, const ReportStageOption
   const auto views = raster_of(in.product("coverage", "views.tif"));
   const auto costmap = raster_of(in.product("costmap", "costmap.tif"));
   add_raster(data, surface, report::RasterRole::surface, "m");
+  if (surface) hide_interpolated(*surface, data.rasters.back().grid);
   add_raster(data, views, report::RasterRole::views, "views");
   add_raster(data, costmap, report::RasterRole::costmap, "cost");
   data.coverage = read_coverage_view(in, survey, views);

@@ -14,6 +14,13 @@ constexpr std::array kReasons{
     Pair{"contact_assumed", "The contact with the ground was not seen; it was taken as a band at the base."},
     Pair{"contact_partly_seen", "Only a part of the contact's perimeter was seen."},
     Pair{"too_few_points", "Too few points fall on the object."},
+    Pair{"cloud_missing", "The cloud does not reach this place."},
+    Pair{"not_above_ground", "No point stands clear of the ground and its noise."},
+    Pair{"too_few_ground_points", "Too few ground points lie around it."},
+    Pair{"flat_points", "The points enclose no volume."},
+    Pair{"surface_not_closed", "The surface could not be closed, so it has no volume."},
+    Pair{"self_intersecting", "The closed surface passes through itself, so it has no volume."},
+    Pair{"several_pieces", "The closed surface is in several pieces, so it has no volume."},
     Pair{"too_coarse", "The points are too far apart for a body of this size."},
     Pair{"sides_not_seen", "The flanks were not seen from enough directions."},
     Pair{"mostly_unseen", "Most of the closed surface was filled in, not seen."},
@@ -39,16 +46,21 @@ constexpr std::array kReasons{
     Pair{"diverged", "The estimate did not settle."},
     Pair{"low_parallax", "The rays that see it are nearly parallel, so its distance is uncertain."},
     Pair{"not_converged", "The estimate was still changing when the images ended."},
-    // Coverage.
-    Pair{"few_views", "Seen in too few images."},
-    Pair{"no_view", "Seen in no image."},
-    Pair{"not_seen", "Seen in no image."},
-    Pair{"out_of_frame", "Outside the frame of every image that could have seen it."},
-    Pair{"occluded", "Hidden behind other parts of the surface."},
+};
+
+constexpr std::array kCoverageReasons{
+    Pair{"passed", "Passes every gate."},
+    Pair{"no_data", "Interpolated or closed, not observed: never counted as covered."},
+    Pair{"out_of_frame", "Lies in too few images."},
+    Pair{"occluded", "In enough images, but something stands in the way."},
+    Pair{"too_oblique", "In enough images, but turned away from them or seen too flat."},
     Pair{"oblique", "Seen at grazing angles only."},
-    Pair{"coarse", "Seen from too far: the ground sampling distance is over its limit."},
+    Pair{"too_coarse", "Seen from too far: the ground sampling distance is over its limit."},
     Pair{"coarse_gsd", "Seen from too far: the ground sampling distance is over its limit."},
-    Pair{"no_data", "The surface model has no data here."},
+    Pair{"low_parallax", "All lines of sight come from about one direction, so that depth is uncertain."},
+    Pair{"few_views", "Seen in too few images."},
+    Pair{"too_few_views", "Seen in too few images."},
+    Pair{"no_view", "Seen in no image."},
 };
 
 constexpr std::array kTerms{
@@ -85,6 +97,14 @@ constexpr std::array kTerms{
          "Share of the surface's area that passes every gate of the coverage. It predicts what could be seen; it does "
          "not prove that a reconstruction succeeded."},
 };
+
+std::string sentence_of(std::span<const Pair> sentences, std::string_view code) {
+  for (const auto& [known, sentence] : sentences)
+    if (known == code) return std::string(sentence);
+  std::string text(code);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
 
 }  // namespace
 
@@ -127,11 +147,10 @@ std::string_view cap_meaning(survey::CapModel cap) {
 }
 
 std::string reason_sentence(std::string_view code) {
-  for (const auto& [known, sentence] : kReasons)
-    if (known == code) return std::string(sentence);
-  std::string text(code);
-  std::replace(text.begin(), text.end(), '_', ' ');
-  return text;
+  return sentence_of(kReasons, code);
+}
+std::string coverage_sentence(std::string_view code) {
+  return sentence_of(kCoverageReasons, code);
 }
 
 std::span<const Term> terms() {

@@ -25,6 +25,9 @@ struct Term {
 // A sentence for a known reason code, else the code with blanks for underscores.
 [[nodiscard]] std::string reason_sentence(std::string_view code);
 
+// The same for verdicts and gaps of the coverage, whose codes mean other things than those of rocks.
+[[nodiscard]] std::string coverage_sentence(std::string_view code);
+
 // All terms, in the order of the reading guide.
 [[nodiscard]] std::span<const Term> terms();
 

@@ -72,7 +72,7 @@ std::string page_data(const PageContext& page) {
   json.set("name", clean_utf8(page.title));
   json.set("origin", std::vector<double>{o.latitude_deg, o.longitude_deg, o.height_m});
   io::Json grids = io::Json::array();
-  if (const RasterView* r = page.raster(RasterRole::surface)) grids.push(grid_json(*r, "up"));
+  if (const RasterView* r = page.raster(RasterRole::surface)) grids.push(grid_json(*r, "height"));
   if (const RasterView* r = page.raster(RasterRole::views)) grids.push(grid_json(*r, "views"));
   if (const RasterView* r = page.raster(RasterRole::costmap)) grids.push(grid_json(*r, "cost"));
   json.set("grids", grids);

@@ -74,12 +74,19 @@ struct Gate {
   double pass_fraction = 0.0;
 };
 
+// Part of the surface by its verdict: "passed", or why it fails.
+struct VerdictArea {
+  std::string verdict;
+  double area_m2 = 0.0;
+};
+
 struct CoverageView {
   std::size_t facets = 0;
   double area_m2 = 0.0;
   double complete_fraction = 0.0;  // of the area, passing all gates
   std::optional<std::array<double, 2>> interval_95;
   std::vector<Gate> gates;
+  std::vector<VerdictArea> verdicts;  // in the order they were tested
   std::vector<Histogram> histograms;
   std::vector<GapView> gaps;
   std::optional<std::string> validation;  // one sentence on how the ray casting was checked
@@ -95,7 +102,7 @@ struct RouteView {
 
 enum class RasterRole { surface, views, costmap };
 
-// Cells without data are NaN.
+// Cells without data are NaN. Heights are in the datum of the survey's origin, not local up.
 struct RasterView {
   RasterRole role = RasterRole::surface;
   geometry::Grid<float> grid;

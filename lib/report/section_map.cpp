@@ -61,7 +61,7 @@ void radio(Html& h, std::string_view id, std::string_view label, bool checked) {
 }
 
 void legend_ramp(Html& h, std::string_view id, Rgba (*ramp)(double), const std::string& lo, const std::string& hi,
-                 std::string_view text) {
+                 const std::string& text) {
   std::string stops;
   for (int i = 0; i <= 8; ++i) stops += (i == 0 ? "" : ",") + css_colour(ramp(i / 8.0));
   h.raw("<div")
@@ -91,7 +91,8 @@ void underlays(Html& svg, Html& choices, Html& legends, const PageContext& page)
               shrunk(heights, max_px / 2, Merge::mean).geometry, true);
       svg.raw("</g>");
       legend_ramp(legends, "relief", height_ramp, fixed(range->lo, 1) + "\u202fm", fixed(range->hi, 1) + "\u202fm",
-                  "Surface height in the local frame (up), 1st to 99th percentile, shaded from the north-west.");
+                  "Surface height (datum: " + words_of(survey::name_of(page.data.manifest.origin.height_type)) +
+                      "), 1st to 99th percentile, shaded from the north-west. Blank: nothing was measured.");
     }
     radio(choices, "relief", "Relief", true);
   }

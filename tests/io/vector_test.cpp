@@ -200,6 +200,10 @@ TEST(GeoPackage, RefusesBadLayers) {
       error_of(base::ErrorCode::resource_exhausted, [&] { write_geopackage(folder / "absent/x.gpkg", {rocks()}); }),
       "no error");
   EXPECT_FALSE(std::filesystem::exists(folder / "x.gpkg"));
+  for (const auto& write : std::vector<std::function<void()>>{
+           [] { write_geopackage("/dev/full", {rocks()}); }, [] { write_geojson("/dev/full", rocks()); },
+           [] { write_layer_csv("/dev/full", rocks()); }, [] { write_kml("/dev/full", {rocks()}, "x"); }})
+    EXPECT_NE(error_of(base::ErrorCode::resource_exhausted, write), "no error");
 }
 
 TEST(LayerStyle, QmlIsWellFormed) {

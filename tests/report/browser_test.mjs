@@ -136,7 +136,7 @@ const tests = {
     await page.mouse('mouseMoved', x + 1, y)
     await page.settle()
     const text = await page.evaluate('document.querySelector(".cursor").textContent')
-    assert.match(text, /E.*N.*46\.84\d+° N, 91\.99\d+° W.*up \d+\.\d+.*\d+ views.*cost/s)
+    assert.match(text, /E.*N.*46\.84\d+° N, 91\.99\d+° W.*height 16\d\.\d+.*\d+ views.*cost/s)
   },
 
   async 'the page agrees with C++ on latitude and longitude'() {

@@ -130,6 +130,8 @@ report::CoverageView sample_coverage() {
              {"gsd", "at most 20 mm/px", 0.988},
              {"incidence", "at most 60°", 0.931},
              {"parallax", "at least 10°", 0.774}};
+  c.verdicts = {{"passed", 5998.0},     {"no_data", 310.2},  {"out_of_frame", 640.1}, {"occluded", 122.9},
+                {"too_oblique", 580.0}, {"too_coarse", 0.0}, {"low_parallax", 761.2}};
   report::Histogram views{"views", "Views of a facet", "", {}, {}, 3.0, true};
   for (int i = 0; i <= 13; ++i) views.edges.push_back(i);
   views.areas_m2 = {120, 250, 455, 700, 980, 1260, 1430, 1120, 840, 560, 400, 200, 97};
@@ -148,7 +150,7 @@ report::CoverageView sample_coverage() {
   for (int i = 0; i < 14; ++i) parallax.areas_m2.push_back(300 + 900 * std::exp(-0.12 * (i - 6) * (i - 6)));
   c.histograms = {views, gsd, incidence, parallax};
   base::Random random(3, "gaps", 0);
-  const char* kReasons[] = {"few_views", "low_parallax", "oblique", "occluded"};
+  const char* kReasons[] = {"out_of_frame", "low_parallax", "too_oblique", "occluded"};
   for (int i = 1; i <= 14; ++i) {
     report::GapView g;
     g.id = i;
@@ -163,7 +165,7 @@ report::CoverageView sample_coverage() {
     g.rings = {ring};
     g.area_m2 = geometry::signed_area(ring);
     g.reasons = {kReasons[i % 4]};
-    if (i % 5 == 0) g.reasons.emplace_back("coarse_gsd");
+    if (i % 5 == 0) g.reasons.emplace_back("too_coarse");
     g.nearest_frames = {"DJI_0020.JPG", "DJI_0021.JPG"};
     if (i % 3 == 0) g.suggestion = "One view from 12 m to the south, 30 m up, camera 40° down.";
     c.gaps.push_back(g);
@@ -187,7 +189,7 @@ void add_rasters(report::ReportData& data) {
         if (d < 1.0) z += 0.4 * std::exp(-8.0 * d * d);
       }
       const float nan = std::numeric_limits<float>::quiet_NaN();
-      surface.grid.at(r, c) = outside ? nan : static_cast<float>(z);
+      surface.grid.at(r, c) = outside ? nan : static_cast<float>(158.0 + z);
       const double seen = 7.5 - 0.09 * std::abs(p.x() - p.y()) - 0.04 * std::abs(p.x() + p.y()) + std::sin(0.2 * p.x());
       views.grid.at(r, c) = outside ? nan : static_cast<float>(std::max(0.0, std::round(seen)));
       cost.grid.at(r, c) =
@@ -281,6 +283,7 @@ report::ReportData hostile_report() {
   data.obstacles.push_back(obstacle);
   data.coverage = sample_coverage();
   data.coverage->gates[0].name = mark;
+  data.coverage->verdicts[2].verdict = script + mark;
   data.coverage->gates[0].rule = script;
   data.coverage->histograms[0].title = mark;
   data.coverage->histograms[0].unit = script;

@@ -191,14 +191,15 @@ function readOut(figure, data, svg, place) {
       .sort((a, b) => data.grids.indexOf(a.grid) - data.grids.indexOf(b.grid))
       .map(({ grid, read }) => ({ grid, value: read(east, north) }))
       .filter(({ value }) => Number.isFinite(value))
-    const up = values.find(({ grid }) => grid.name === 'up')?.value ?? 0
+    const height = values.find(({ grid }) => grid.name === 'height')?.value
+    const up = height === undefined ? 0 : height - data.origin[2]
     const [latitude, longitude] = geodetic(east, north, up)
     const texts = [
       `E\u202f${fixed(east, 2)}  N\u202f${fixed(north, 2)}\u202fm`,
       `${degreesNorth(latitude)}, ${degreesEast(longitude)}`,
     ]
     for (const { grid, value } of values) {
-      if (grid.name === 'up') texts.push(`up ${fixed(value, 2)}\u202fm`)
+      if (grid.name === 'height') texts.push(`height ${fixed(value, 2)}\u202fm`)
       else if (grid.name === 'views') texts.push(`${Math.round(value)} views`)
       else texts.push(`${grid.name} ${fixed(value, 1)}`)
     }

@@ -1,0 +1,154 @@
+#include "pipeline/locate_stage.hpp"
+
+#include <cmath>
+#include <optional>
+
+#include "base/error.hpp"
+#include "geodesy/local_frame.hpp"
+#include "io/csv.hpp"
+#include "io/ply.hpp"
+#include "io/survey_folder.hpp"
+#include "io/targets_json.hpp"
+#include "pipeline/function_stage.hpp"
+#include "pipeline/terrain_height.hpp"
+
+namespace cairn::pipeline {
+namespace fs = std::filesystem;
+namespace {
+
+using localisation::LocateResult;
+
+// An object seen along a ray stands on the ground where the ray meets it, or nearer by up to its height.
+localisation::DepthBound terrain_bound(const TerrainHeight& terrain, double object_height_m) {
+  return [&terrain, object_height_m](const localisation::View& view,
+                                     const geometry::Vec3& direction) -> std::optional<localisation::DepthRange> {
+    constexpr double kBelow = 1.0;  // m of drop; the terrain's own error
+    const auto depth = terrain.depth(view.T_world_camera.translation, direction);
+    if (!depth) return std::nullopt;
+    const double per_metre = 1.0 / -direction.z();
+    const double near_m = *depth - object_height_m * per_metre, far_m = *depth + kBelow * per_metre;
+    return localisation::DepthRange{std::max(0.1, near_m), far_m};
+  };
+}
+
+void write_evidence(const fs::path& path, const LocateResult& result) {
+  io::CsvWriter csv(path, {"target_id",
+                           "class",
+                           "state",
+                           "boxes",
+                           "visible_frames",
+                           "rms_px",
+                           "parallax_deg",
+                           "size_m",
+                           "east_m",
+                           "north_m",
+                           "up_m",
+                           "sigma_east_m",
+                           "sigma_north_m",
+                           "sigma_up_m",
+                           "points_east_m",
+                           "points_north_m",
+                           "points_up_m",
+                           "points_sigma_east_m",
+                           "points_sigma_north_m",
+                           "points_sigma_up_m",
+                           "entropy_nats",
+                           "divergence",
+                           "reasons"});
+  for (std::size_t i = 0; i < result.targets.size(); ++i) {
+    const auto& t = result.targets[i];
+    const auto& e = result.evidence[i];
+    csv.cell(t.id.value)
+        .cell(t.object_class)
+        .cell(survey::name_of(t.state))
+        .cell(static_cast<std::int64_t>(e.boxes))
+        .cell(static_cast<std::int64_t>(e.visible_frames))
+        .cell(e.rms_px)
+        .cell(e.parallax_deg)
+        .cell(e.size_m);
+    for (int a = 0; a < 3; ++a) csv.cell(t.centre[a]);
+    for (int a = 0; a < 3; ++a) csv.cell(std::sqrt(t.covariance(a, a)));
+    for (int a = 0; a < 3; ++a) csv.cell(e.points_mean[a]);
+    for (int a = 0; a < 3; ++a) csv.cell(std::sqrt(e.points_covariance(a, a)));
+    const double unknown = std::nan("");  // an empty cell
+    csv.cell(t.entropy_nats.empty() ? unknown : t.entropy_nats.back());
+    csv.cell(t.divergence.empty() ? unknown : t.divergence.back());
+    std::string reasons;
+    for (const auto& reason : t.reasons) reasons += (reasons.empty() ? "" : ";") + reason;
+    csv.cell(reasons);
+    csv.end_row();
+  }
+  csv.finish();
+}
+
+void write_points(const fs::path& folder, const LocateResult& result) {
+  fs::create_directories(folder);
+  for (std::size_t i = 0; i < result.targets.size(); ++i) {
+    geometry::PointCloud cloud;
+    const auto& points = result.points[i];
+    for (Eigen::Index row = 0; row < points.rows(); ++row) cloud.positions.emplace_back(points.row(row).transpose());
+    io::write_ply(folder / (std::to_string(result.targets[i].id.value) + ".ply"), cloud,
+                  {.crs = "", .comments = {"local ENU, m"}});
+  }
+}
+
+io::Json summary_of(const LocateResult& result) {
+  const auto& c = result.counts;
+  return io::Json::object({{"detections", c.detections},
+                           {"used", c.used},
+                           {"rejected", c.rejected},
+                           {"frames", c.frames},
+                           {"targets", result.targets.size()},
+                           {"generated", c.generated},
+                           {"converging", c.converging},
+                           {"converged", c.converged},
+                           {"deregistered", c.deregistered},
+                           {"merged", c.merged},
+                           {"recovered", c.recovered},
+                           {"moved_boxes", c.moved_boxes},
+                           {"noise_scale", c.noise_scale},
+                           {"depth_source", c.depth_source},
+                           {"rejects_by_reason", count_by_reason(result.rejects)}});
+}
+
+}  // namespace
+
+Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateStageOptions& options,
+                     base::RunContext& ctx) {
+  const survey::Survey survey = io::read_survey(in.survey);
+  if (survey.detections.empty())
+    throw base::Error(base::ErrorCode::failed_precondition, "the survey has no detections")
+        .file((in.survey / "detections.csv").string())
+        .hint("Attach a detector's boxes with 'cairn import ... --detections FILE'");
+  std::optional<TerrainHeight> terrain;
+  localisation::DepthBound bound;
+  if (!in.terrain.empty()) {
+    terrain.emplace(in.terrain, geodesy::LocalFrame(survey.manifest.origin.position));
+    bound = terrain_bound(*terrain, options.locate.height_above_ground_m);
+  }
+  const LocateResult result = localisation::locate(survey, options.locate, ctx, bound);
+  io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
+  write_evidence(out / "target_evidence.csv", result);
+  if (options.points) write_points(out / "points", result);
+  return {summary_of(result), result.rejects};
+}
+
+std::unique_ptr<Stage> make_locate_stage() {
+  return make_function_stage<LocateStageOptions>(
+      {"locate",
+       {},
+       {},
+       [](const StageInputs& in, const LocateStageOptions& options) -> Estimate {
+         // Every box may become a target: its points, kept once by the tracker and once for the result.
+         const auto survey = io::read_survey(in.survey);
+         const auto points = static_cast<std::uint64_t>(localisation::resolved(options.locate).points_per_target);
+         const std::uint64_t bytes = survey.detections.size() * points * 3 * sizeof(double);
+         return {2 * bytes + survey.ties.size() * 256 + (std::uint64_t{16} << 20U),
+                 survey.detections.size() * 2048 + (options.points ? bytes : 0)};
+       },
+       [](const StageInputs& in, const fs::path& out, const LocateStageOptions& options, base::RunContext& ctx) {
+         return locate_stage({in.survey, {}}, out, options, ctx);
+       }});
+}
+
+}  // namespace cairn::pipeline

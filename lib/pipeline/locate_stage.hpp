@@ -1,0 +1,40 @@
+// Stage `locate`: detections and poses -> targets.
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "base/run_context.hpp"
+#include "localisation/locate.hpp"
+#include "pipeline/outcome.hpp"
+#include "pipeline/stage.hpp"
+
+namespace cairn::pipeline {
+
+struct LocateInputs {
+  std::filesystem::path survey;   // survey folder with detections
+  std::filesystem::path terrain;  // surface.tif of stage `terrain`; "" = depth from the tie points
+};
+
+struct LocateStageOptions {
+  localisation::LocateOptions locate;
+  bool points = false;  // write the filter's points of each target
+
+  void visit(base::OptionVisitor& visitor) {
+    locate.visit(visitor);
+    visitor.flag("points", points, "write the points of each target to points/<id>.ply");
+  }
+};
+
+// Writes into `out`:
+//   targets.json          the targets, deregistered ones too
+//   target_evidence.csv   one row a target: what its state rests on, and the filter's own centre beside the final one
+//   points/<id>.ply       where asked for
+// Throws failed_precondition where the survey has no detections.
+Outcome locate_stage(const LocateInputs& in, const std::filesystem::path& out, const LocateStageOptions& options,
+                     base::RunContext& ctx);
+
+// The recipe's stage `locate`.
+[[nodiscard]] std::unique_ptr<Stage> make_locate_stage();
+
+}  // namespace cairn::pipeline
