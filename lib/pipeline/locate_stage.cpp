@@ -78,7 +78,7 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
     csv.cell(reasons);
     csv.end_row();
   }
-  csv.close();
+  csv.finish();
 }
 
 void write_points(const fs::path& folder, const LocateResult& result) {
