@@ -85,16 +85,16 @@ std::optional<double> TerrainHeight::depth(const Vec3& origin, const Vec3& direc
   const double step = 0.5 * up_.geometry.cell / std::max(direction.head<2>().norm(), sink);
   constexpr double kMostSteps = 1e6;  // a level ray over a huge raster says nothing useful about depth
   if (!((last - first) / step < kMostSteps)) return std::nullopt;
-  std::optional<double> above;  // height above ground at the step before
+  double above = std::numeric_limits<double>::quiet_NaN();  // height above ground at the step before; NaN = unknown
   for (double d = first; d <= last + step; d += step) {
     const Vec3 p = origin + d * direction;
     const auto cell = up_.geometry.cell_at(p.head<2>());
     if (!cell || !std::isfinite(up_.at(cell->first, cell->second))) {
-      above.reset();
+      above = std::numeric_limits<double>::quiet_NaN();
       continue;
     }
     const double height = p.z() - static_cast<double>(up_.at(cell->first, cell->second));
-    if (height <= 0.0) return above ? d - step * (-height) / (*above - height) : d;
+    if (height <= 0.0) return std::isfinite(above) ? d - step * (-height) / (above - height) : d;
     above = height;
   }
   return std::nullopt;
