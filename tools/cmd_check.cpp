@@ -33,9 +33,14 @@ std::string text_of(const pipeline::CheckResult& result, const std::filesystem::
   figure("height_above_ground", "median_m", "median height above the ground", "m");
   figure("tie_points_reprojection", "median_px", "median reprojection error of the tie points", "px");
   figure("image_pairs", "median_disagreement_corrected_m", "median disagreement of neighbouring images", "m");
-  figure("cloud_offset", "east_m", "cloud minus poses, east", "m");
-  figure("cloud_offset", "north_m", "cloud minus poses, north", "m");
-  figure("cloud_offset", "up_m", "cloud minus poses, up", "m");
+  const auto* offset = result.evidence.find("cloud_offset");
+  if (offset != nullptr && offset->at("horizontal_determined").as_bool()) {
+    figure("cloud_offset", "east_m", "cloud minus poses, east", "m");
+    figure("cloud_offset", "north_m", "cloud minus poses, north", "m");
+    figure("cloud_offset", "up_m", "cloud minus poses, up", "m");
+  } else if (offset != nullptr) {
+    text += "  cloud minus poses: not determined\n";
+  }
   text += survey.string() + (result.ok ? " is sound: " : " is not sound: ") + plural(errors, "error") + ", " +
           plural(warnings, "warning") + "\n";
   return text;

@@ -69,7 +69,7 @@ class CoverageCommand final : public Command {
 
   [[nodiscard]] std::string text_of(const io::Json& summary) const {
     return "Completeness " + base::to_fixed(100.0 * summary.at("completeness").as_real(), 1) + " % of " +
-           base::to_fixed(summary.at("observed_area_m2").as_real(), 1) + " m2 observed, " +
+           base::to_fixed(summary.at("area_m2").as_real(), 1) + " m2 observed, " +
            std::to_string(summary.at("gaps").as_integer()) + " gaps; results in " + out_.string() + "\n";
   }
 

@@ -70,7 +70,9 @@ CheckResult check_survey(const fs::path& folder, const CheckOptions& options, ba
                        findings.count(Severity::error) > errors_before;
   Ground ground = ground_by_ties(checked.survey);
   std::string ground_by = ground.empty() ? "" : "tie_points";
+  const std::size_t errors_before_cloud = findings.count(Severity::error);
   const auto cloud = check_cloud(checked, folder, options, findings, result.evidence);
+  const std::size_t cloud_errors = findings.count(Severity::error) - errors_before_cloud;
   if (ground.empty() && cloud) {
     ground = ground_by_cloud(checked.survey, cloud->cloud);
     ground_by = "cloud";
@@ -84,7 +86,9 @@ CheckResult check_survey(const fs::path& folder, const CheckOptions& options, ba
     if (!had_ground && !ground.empty()) ground_by = "image_pairs";
   }
   check_heights(checked, folder, ground, ground_by, options, findings, result.evidence);
-  if (cloud) check_cloud_evidence(checked, *cloud, images, options, ctx, findings, result.evidence);
+  // Poses that are wrong say nothing about the cloud.
+  if (cloud && findings.count(Severity::error) == errors_before + cloud_errors)
+    check_cloud_evidence(checked, *cloud, images, options, ctx, findings, result.evidence);
 
   result.ok = findings.count(Severity::error) == 0;
   result.findings = findings.list();

@@ -222,8 +222,7 @@ std::optional<CheckedCloud> check_cloud(const CheckedSurvey& checked, const fs::
     return std::nullopt;
   }
   for (const auto& warning : data.facts.warnings)
-    findings.add(
-        {"cloud_file_warning", Severity::warning, file, "", warning, "Write the cloud again with a sound tool"});
+    findings.add({"cloud_file_note", Severity::info, file, "", warning, ""});
   Json facts = Json::object({{"points", data.cloud.size()}, {"format", data.facts.format}});
   if (data.cloud.empty()) {
     findings.add({"cloud_empty", Severity::error, file, "points",

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "adjustment/robust.hpp"
 #include "base/number_text.hpp"
@@ -266,27 +267,39 @@ void check_cloud_evidence(const CheckedSurvey& checked, const CheckedCloud& clou
                             {"similarity_declared", cloud.has_similarity}});
   std::string text;
   double significant = 0.0;
-  // Twice the standard error of the median; a scatter alone hides no offset seen at many places.
+  // A frame's pose error moves all its comparisons alike: the frames are what can be counted.
+  std::set<survey::FrameId> seen_by;
+  for (const auto& match : found.matches) seen_by.insert(match.frame);
+  const auto independent = std::max<std::size_t>(1, std::min(found.places, seen_by.size()));
+  // The part of an offset that three standard errors of the median leave.
   const auto beyond = [](double offset, double scatter, std::size_t count) {
     constexpr double kSigmas = 3.0;
     return std::abs(offset) - kSigmas * scatter / std::sqrt(static_cast<double>(std::max<std::size_t>(1, count)));
   };
+  // Poses that scatter by a good part of the search cut the shifts off at its border: no figure.
+  constexpr double kMostScatter = 0.25;  // of the search, each way
+  const bool determined =
+      found.horizontal_m && found.horizontal_scatter_m.norm() <= kMostScatter * options.cloud.search_m;
+  json.set("horizontal_determined", determined);
   if (found.horizontal_m) {
     const auto& h = *found.horizontal_m;
     const auto& s = found.horizontal_scatter_m;
     json.set("east_m", h.x()).set("north_m", h.y()).set("scatter_east_m", s.x()).set("scatter_north_m", s.y());
     text = to_fixed(h.x(), 2) + " m east, " + to_fixed(h.y(), 2) + " m north (scatter " + to_fixed(s.norm(), 2) +
            " m over " + std::to_string(found.places) + " places)";
-    significant = std::max({significant, beyond(h.x(), s.x(), found.places), beyond(h.y(), s.y(), found.places)});
+    if (determined)
+      significant = std::max({significant, beyond(h.x(), s.x(), independent), beyond(h.y(), s.y(), independent)});
   }
   if (found.vertical_m) {
     json.set("up_m", *found.vertical_m).set("scatter_up_m", found.vertical_scatter_m).set("up_by", found.vertical_by);
     json.set("tie_points", found.tie_points).set("height_slope", found.height_slope);
-    const std::size_t count = found.vertical_by == "tie_points" ? found.tie_points : found.places;
+    const bool by_ties = found.vertical_by == "tie_points";
     text += (text.empty() ? "" : ", ") + to_fixed(*found.vertical_m, 2) + " m up (scatter " +
             to_fixed(found.vertical_scatter_m, 2) + " m, by " +
-            (found.vertical_by == "tie_points" ? std::to_string(found.tie_points) + " tie points" : "parallax") + ")";
-    significant = std::max(significant, beyond(*found.vertical_m, found.vertical_scatter_m, count));
+            (by_ties ? std::to_string(found.tie_points) + " tie points" : "parallax") + ")";
+    if (by_ties || determined)
+      significant = std::max(
+          significant, beyond(*found.vertical_m, found.vertical_scatter_m, by_ties ? found.tie_points : independent));
   }
   evidence.set("cloud_offset", std::move(json));
   if (significant <= options.max_cloud_offset_m) return;

@@ -145,8 +145,8 @@ void read_frames(const fs::path& folder, CheckedSurvey& checked, std::set<survey
   while (table.next()) {
     ++checked.frame_rows;
     survey::Frame frame;
-    const std::string name = "frame " + std::string(table.text("frame_id")) +
-                             (table.text("image").empty() ? "" : ", " + std::string(table.text("image")));
+    const std::string image = fs::path(table.text("image")).filename().string();
+    const std::string name = "frame " + std::string(table.text("frame_id")) + (image.empty() ? "" : ", " + image);
     const bool good = table.row(name, [&] {
       frame.id = survey::FrameId(table.id("frame_id"));
       require_new(known, frame.id, table, "frame_id");

@@ -151,7 +151,7 @@ CoverageFigures coverage_figures(const geometry::TriangleMesh& mesh, const Facet
   }
   figures.summary = io::Json::object({{"facets", mesh.triangles.size()},
                                       {"facets_skipped", m.skipped},
-                                      {"observed_area_m2", o.total_m2},
+                                      {"area_m2", o.total_m2},
                                       {"completeness", audit.completeness()},
                                       {"area_m2_by_verdict", std::move(area)},
                                       {"facets_by_verdict", std::move(facets)},

@@ -11,7 +11,7 @@
 #include "io/ply.hpp"
 #include "io/raster.hpp"
 #include "io/survey_folder.hpp"
-#include "io/survey_json.hpp"
+#include "io/vector_layer.hpp"
 #include "pipeline/function_stage.hpp"
 #include "pipeline/survey_sources.hpp"
 

@@ -16,7 +16,7 @@ std::string num(double value, int decimals = 2) {
 }
 
 std::string percent(double fraction) {
-  return num(100.0 * fraction, fraction < 0.1 ? 1 : 0) + "\u202f%";
+  return num(100.0 * fraction, 1) + "\u202f%";
 }
 
 }  // namespace

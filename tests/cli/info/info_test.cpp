@@ -5,6 +5,7 @@
 #include "io/cloud.hpp"
 #include "io/json.hpp"
 #include "io/mesh.hpp"
+#include "io/raster.hpp"
 #include "support/data.hpp"
 #include "support/run_program.hpp"
 
@@ -80,6 +81,35 @@ TEST(InfoCommand, OtherCloudFormats) {
   const TempFolder folder;
   cairn::base::write_file(folder / "a.csv", "x,y,z\n1,2,3\n");
   EXPECT_EQ(info(folder / "a.csv").at("format").as_string(), "XYZ");
+}
+
+TEST(InfoCommand, RastersLayersRunsAndJson) {
+  const TempFolder folder;
+  cairn::geometry::GridGeometry grid{500000.0, 4000010.0, 0.5, 30, 20};
+  cairn::io::write_cog(
+      folder / "a.tif",
+      {{"height", "m", "height above a datum", cairn::geometry::Grid<float>(grid, 1.5F), std::nullopt}}, "EPSG:32615");
+  const Json raster = info(folder / "a.tif");
+  EXPECT_EQ(raster.at("kind").as_string(), "raster");
+  EXPECT_EQ(raster.at("grid").at("columns").as_integer(), 30);
+  EXPECT_EQ(raster.at("grid").at("south").as_real(), 4000000.0);
+  EXPECT_EQ(raster.at("bands").as_array()[0].at("name").as_string(), "height");
+  EXPECT_EQ(raster.at("crs").at("authority_code").as_string(), "EPSG:32615");
+
+  cairn::base::write_file(folder / "a.json",
+                          R"({"type":"FeatureCollection","features":[{"type":"Feature","properties":{"n":1},)"
+                          R"("geometry":{"type":"Point","coordinates":[-92,46.8]}}]})");
+  const Json layer = info(folder / "a.json");
+  EXPECT_EQ(layer.at("kind").as_string(), "vector");
+  EXPECT_EQ(layer.at("layers").as_array()[0].at("features").as_integer(), 1);
+
+  std::filesystem::create_directory(folder / "run");
+  cairn::base::write_file(folder / "run/run.json", R"({"command":"locate","inputs":[1,2]})");
+  const Json run = info(folder / "run");
+  EXPECT_EQ(run.at("kind").as_string(), "run");
+  EXPECT_EQ(run.at("command").as_string(), "locate");
+  EXPECT_EQ(run.at("files").size(), 1U);
+  EXPECT_EQ(info(folder / "run/run.json").at("members").at("inputs").at("items").as_integer(), 2);
 }
 
 TEST(InfoCommand, AnEmptyCloudIsDescribed) {
