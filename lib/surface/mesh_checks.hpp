@@ -8,7 +8,8 @@
 
 namespace cairn::surface {
 
-// Convex hull as a closed outward mesh; empty where the points lie in one plane. Cost n log n.
+// Convex hull as a closed outward mesh; empty where the points lie in one plane. Cost n log n. Vertices in order of
+// their coordinates, flat sides as fans: the same points give the same mesh.
 [[nodiscard]] geometry::TriangleMesh convex_hull(std::span<const geometry::Vec3> points);
 
 // Whether any two triangles meet other than in shared vertices and edges (CGAL's box-intersection test,

@@ -36,6 +36,7 @@ using cairn::testing::source_dir;
 using cairn::testing::TempFolder;
 using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 using ::testing::Not;
 
 const fs::path kRecipe = source_dir() / "pipelines/post_flight.json";
@@ -90,6 +91,17 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
     digests[name] = cairn::base::sha256_of_file(entry.path());
   }
   return digests;
+}
+
+// Names of the products that differ, or are in one folder only.
+std::vector<std::string> differing(const std::map<std::string, std::string>& a,
+                                   const std::map<std::string, std::string>& b) {
+  std::set<std::string> names;
+  for (const auto& [name, digest] : a)
+    if (!b.contains(name) || b.at(name) != digest) names.insert(name);
+  for (const auto& [name, digest] : b)
+    if (!a.contains(name)) names.insert(name);
+  return {names.begin(), names.end()};
 }
 
 TEST_F(BrightonBeach, TheSurveyIsSound) {
@@ -205,7 +217,7 @@ TEST_F(BrightonBeach, TheSecondRunDoesNothingAndSaysSo) {
   const auto again = run_job(out());
   EXPECT_EQ(again.exit_code, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("Nothing to do"));
-  EXPECT_EQ(contents(out()), before);
+  EXPECT_THAT(differing(contents(out()), before), IsEmpty());
 }
 
 TEST_F(BrightonBeach, ADryRunShowsStagesMemoryAndDiskAndWritesNothing) {
@@ -230,7 +242,7 @@ TEST_F(BrightonBeach, OneAndFourThreadsGiveTheSameBytes) {
   for (const auto* threads : {"1", "4"}) {
     const auto to = elsewhere / threads;
     ASSERT_EQ(run_job(to, {"--threads", threads}).exit_code, 0);
-    EXPECT_EQ(contents(to), reference) << threads << " threads";
+    EXPECT_THAT(differing(contents(to), reference), IsEmpty()) << threads << " threads";
   }
 }
 
@@ -268,7 +280,7 @@ TEST_F(BrightonBeach, ResumingAfterAKillGivesTheSameBytes) {
   const auto resumed = run_job(to);
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_THAT(resumed.out, ContainsRegex("locate +kept"));
-  EXPECT_EQ(contents(to), reference);
+  EXPECT_THAT(differing(contents(to), reference), IsEmpty());
 }
 
 }  // namespace
