@@ -21,9 +21,9 @@ struct PatchPeak {
 
 // Normalised cross-correlation of `patch` with every position inside `window` (both share their centre;
 // window.side - patch.side is even), over the cells where both have values. Peak refined by a
-// quadric through its 3 x 3 scores. Empty when the peak lies on the border of the search, when fewer than 80 % of the cells
-// have values at the peak, or when one side has no contrast.
-// Cost: patch.side^2 * (window.side - patch.side + 1)^2.
+// quadric through its 3 x 3 scores. Empty when the peak lies on the border of the search, when fewer than 80 % of the
+// cells have values at the peak, or when one side has no contrast. Cost: patch.side^2 * (window.side - patch.side +
+// 1)^2.
 [[nodiscard]] std::optional<PatchPeak> correlate(const Window& patch, const Window& window);
 
 }  // namespace cairn::adjustment

@@ -24,9 +24,11 @@ unsigned octet(std::byte b) {
   return std::to_integer<unsigned>(b);
 }
 
-// Whether `wanted` occurs in the last kTail bytes.
-bool ends_with_marker(const InputFile& file, Bytes wanted) {
-  const std::uint64_t length = std::min(file.size(), kTail);
+// Whether `wanted` occurs in the last kTail bytes, not before `from` (an embedded thumbnail has an end
+// marker of its own).
+bool ends_with_marker(const InputFile& file, std::uint64_t from, Bytes wanted) {
+  if (from >= file.size()) return false;
+  const std::uint64_t length = std::min(file.size() - from, kTail);
   std::vector<std::byte> tail(static_cast<std::size_t>(length));
   file.read_at(file.size() - length, tail);
   return std::search(tail.rbegin(), tail.rend(), wanted.rbegin(), wanted.rend()) != tail.rend();
@@ -71,7 +73,7 @@ ImageHeader read_jpeg(const InputFile& file) {
       header.width_px = load_be<std::uint16_t>(frame.data() + 3);
       header.channels = static_cast<int>(octet(frame[5]));
       constexpr std::array<std::byte, 2> kEnd{std::byte{0xFF}, std::byte{0xD9}};
-      if (!ends_with_marker(file, kEnd)) throw truncated(file, "end-of-image marker");
+      if (!ends_with_marker(file, at + 2 + length, kEnd)) throw truncated(file, "end-of-image marker");
       return header;
     }
     at += 2 + length;
@@ -87,8 +89,9 @@ ImageHeader read_png(const InputFile& file) {
   header.height_px = load_be<std::uint32_t>(ihdr.data() + 12);
   const unsigned colour = octet(ihdr[17]);
   header.channels = colour == 2 ? 3 : colour == 4 ? 2 : colour == 6 ? 4 : 1;
+  constexpr std::uint64_t kHeaderEnd = 33;  // signature and IHDR chunk
   constexpr std::array<std::byte, 4> kEnd{std::byte{'I'}, std::byte{'E'}, std::byte{'N'}, std::byte{'D'}};
-  if (!ends_with_marker(file, kEnd)) throw truncated(file, "IEND chunk");
+  if (!ends_with_marker(file, kHeaderEnd, kEnd)) throw truncated(file, "IEND chunk");
   return header;
 }
 

@@ -214,7 +214,7 @@ LocateResult locate(const survey::Survey& survey, const LocateOptions& given, ba
     for (const auto& live : tracker.targets()) outputs.push_back(paper_target(prepared, live));
   } else {
     Consensus consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
-    if (options.estimate_noise)
+    if (!options.assumed_noise)
       adapt_noise(prepared, depth, tracker, options, ctx, consensus, result.counts.noise_scale);
     result.counts.merged = consensus.merged;
     result.counts.recovered = consensus.recovered;

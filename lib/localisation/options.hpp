@@ -46,10 +46,10 @@ struct LocateOptions {
   double size_ratio = 2.0;        // robust: largest ratio of sizes (box diagonal x depth) within a target
 
   // Final centre (robust).
-  double sigma_px = 3.0;          // box centre, per axis, 1 sigma
-  double sigma_size = 0.05;       // the same as a fraction of the box's mean side, added in square
-  bool estimate_noise = true;     // scale all these sigmas by what the residuals of the whole survey say
-  double pose_sigma_m = -1.0;     // 1 sigma of a camera position relative to its neighbours; -1 = what the frames say
+  double sigma_px = 3.0;       // box centre, per axis, 1 sigma
+  double sigma_size = 0.05;    // the same as a fraction of the box's mean side, added in square
+  bool assumed_noise = false;  // keep these sigmas; else they are scaled by what the residuals of the whole survey say
+  double pose_sigma_m = -1.0;  // 1 sigma of a camera position relative to its neighbours; -1 = what the frames say
   double pose_sigma_deg = -1.0;   // the same for its rotation
   double box_gate = 3.5;          // boxes farther from the projected centre [sigmas] are outliers
   std::int64_t min_boxes = 3;     // consistent boxes of a converged target

@@ -136,6 +136,12 @@ CellValues over_mesh(const geometry::TriangleMesh& mesh, const visibility::Scene
   return values;
 }
 
+// Four decimals: 0.1 um a pixel and 0.36" are finer than any of the figures are good for.
+double rounded(float value) {
+  constexpr double kSteps = 1e4;
+  return std::round(static_cast<double>(value) * kSteps) / kSteps;
+}
+
 void write_facets(const fs::path& path, const FacetCoverage& m, const Audit& audit) {
   io::CsvWriter csv(path, {"facet", "views", "in_frame", "facing", "gsd_best_mm", "gsd_median_mm", "incidence_best_deg",
                            "incidence_second_deg", "parallax_deg", "verdict"});
@@ -146,7 +152,7 @@ void write_facets(const fs::path& path, const FacetCoverage& m, const Audit& aud
         .cell(static_cast<std::uint64_t>(m.facing[i]));
     for (const auto* column :
          {&m.gsd_best_mm, &m.gsd_median_mm, &m.incidence_best_deg, &m.incidence_second_deg, &m.parallax_deg})
-      csv.cell(static_cast<double>((*column)[i]));
+      csv.cell(rounded((*column)[i]));
     csv.cell(coverage::name_of(audit.verdicts[i])).end_row();
   }
   csv.finish();

@@ -45,6 +45,17 @@ constexpr std::array kReasons{
     Pair{"too_few_keyframes", "Seen from too few keyframes to be located."},
     Pair{"diverged", "The estimate did not settle."},
     Pair{"low_parallax", "The rays that see it are nearly parallel, so its distance is uncertain."},
+    Pair{"seen_once", "Seen in one image only."},
+    Pair{"too_few_boxes", "Fewer boxes agree on its place than are needed."},
+    Pair{"one_direction", "Seen from one direction only, so its distance is unknown."},
+    Pair{"uncertain_centre", "The standard deviation of its centre is too large."},
+    Pair{"rarely_seen", "Most images that should show it do not: its boxes met by chance."},
+    Pair{"inconsistent_boxes", "Its boxes do not meet in one point."},
+    Pair{"covariance_is_spread", "Its covariance is the spread of the filter's points, not the centre's own."},
+    Pair{"missed", "Not seen again for too many images."},
+    Pair{"all_weights_zero", "A box held none of the filter's points, which stayed as they were."},
+    Pair{"singular_covariance", "The filter's points fell on one another."},
+    Pair{"points_behind_camera", "Points behind the camera were counted, as the published method does."},
     Pair{"not_converged", "The estimate was still changing when the images ended."},
 };
 

@@ -79,8 +79,9 @@ TEST(CloudSurface, SixteenBitColoursMeanTheSame) {
   const auto sixteen = cloud_surface(cloud_of_ground(Vec3::Zero(), 257));
   ASSERT_EQ(eight.brightness.values.size(), sixteen.brightness.values.size());
   for (std::size_t i = 0; i < eight.brightness.values.size(); i += 97)
-    if (!std::isnan(eight.brightness.values[i]))
+    if (!std::isnan(eight.brightness.values[i])) {
       EXPECT_NEAR(eight.brightness.values[i], sixteen.brightness.values[i], 0.01F);
+    }
 }
 
 TEST(CloudEvidence, MeasuresAKnownOffsetWithAndWithoutTiePoints) {

@@ -30,12 +30,13 @@ TEST(Findings, ManyOfOneCodeAreCountedNotListed) {
 
 TEST(Findings, ErrorsTellFoundAllowedAndRemedy) {
   Findings findings;
-  findings.add("x", base::Error(base::ErrorCode::invalid_input, "too many legs")
-                        .file("zoo.csv")
-                        .record("line 2")
-                        .found("5")
-                        .allowed("0 to 4")
-                        .hint("Count again"),
+  findings.add("x",
+               base::Error(base::ErrorCode::invalid_input, "too many legs")
+                   .file("zoo.csv")
+                   .record("line 2")
+                   .found("5")
+                   .allowed("0 to 4")
+                   .hint("Count again"),
                "frame 7");
   const auto f = findings.list().at(0);
   EXPECT_EQ(f.file, "zoo.csv");

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "report/sample_report.hpp"
 #include "support/data.hpp"
+#include "support/sample_report.hpp"
 
 namespace cairn::report {
 namespace {

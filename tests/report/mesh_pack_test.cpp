@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "geometry/triangle_mesh.hpp"
-#include "report/sample_report.hpp"
+#include "support/sample_report.hpp"
 
 namespace cairn::report {
 namespace {

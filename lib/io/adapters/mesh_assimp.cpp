@@ -1,8 +1,8 @@
-#include <Eigen/LU>
 #include <assimp/config.h>
 #include <assimp/mesh.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <assimp/IOStream.hpp>

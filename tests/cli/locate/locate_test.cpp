@@ -92,7 +92,7 @@ TEST_F(LocateCommand, BadInput) {
   EXPECT_THAT(unknown.err, HasSubstr("detections.csv"));
   fs::remove(survey_ / "detections.csv");
   const auto none = run();
-  EXPECT_EQ(none.exit_code, 1);
+  EXPECT_EQ(none.exit_code, 4);
   EXPECT_THAT(none.err, HasSubstr("no detections"));
   EXPECT_FALSE(fs::exists(out_));
 }

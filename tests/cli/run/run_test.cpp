@@ -55,12 +55,13 @@ class RunCommand : public ::testing::Test {
 };
 
 TEST_F(RunCommand, MistakesInTheRecipeAreNamed) {
-  const std::pair<const char*, const char*> cases[] = {{R"([{"stage": "lokate"}])", "unknown stage"},
-                                                       {R"([{"stage": "segment"}])", "needs 'locate' before it"},
-                                                       {R"([{"stge": "locate"}])", "unknown member"},
-                                                       {R"([])", "no stages"},
-                                                       {R"([{"stage": "locate"}, {"stage": "locate"}])", "stands twice"},
-                                                       {R"([{"stage": "locate")", "not valid JSON"}};
+  const std::pair<const char*, const char*> cases[] = {
+      {R"([{"stage": "lokate"}])", "unknown stage"},
+      {R"([{"stage": "segment"}])", "needs 'locate' before it"},
+      {R"([{"stge": "locate"}])", "unknown member"},
+      {R"([])", "no stages"},
+      {R"([{"stage": "locate"}, {"stage": "locate"}])", "stands twice"},
+      {R"([{"stage": "locate")", "not valid JSON"}};
   for (const auto& [stages, message] : cases) {
     write_recipe(stages);
     const auto result = run();

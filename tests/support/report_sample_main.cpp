@@ -4,8 +4,8 @@
 #include <string>
 
 #include "report/html_report.hpp"
-#include "report/sample_report.hpp"
 #include "support/data.hpp"
+#include "support/sample_report.hpp"
 
 int main(int argc, char** argv) {
   const std::string kind = argc == 3 ? argv[1] : "";

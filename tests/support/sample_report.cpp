@@ -1,4 +1,4 @@
-#include "report/sample_report.hpp"
+#include "support/sample_report.hpp"
 
 #include <algorithm>
 #include <cmath>
