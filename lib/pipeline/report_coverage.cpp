@@ -130,16 +130,23 @@ std::string with_degree_sign(std::string rule) {
   return rule;
 }
 
-// Empty bins at both ends say nothing; those up to the gate stay.
+// Long thin tails would press the rest into a few pixels: bins that hold together less than `kTail` of the area at
+// either end are folded into their neighbour. Bins up to the gate stay.
 report::Histogram trimmed(report::Histogram h) {
-  if (h.areas_m2.empty() || h.edges.size() != h.areas_m2.size() + 1) return h;
+  constexpr double kTail = 0.002;
+  constexpr std::size_t kFewBins = 20;  // that many fit as they are
+  if (h.areas_m2.size() < 2 || h.edges.size() != h.areas_m2.size() + 1) return h;
+  double total = 0.0;
+  for (const double a : h.areas_m2) total += a;
+  const auto holds_gate = [&](std::size_t i) { return h.gate && *h.gate >= h.edges[i] && *h.gate <= h.edges[i + 1]; };
   std::size_t first = 0, last = h.areas_m2.size() - 1;
-  const auto idle = [&](std::size_t i) {
-    return !(h.areas_m2[i] > 0.0) && !(h.gate && *h.gate >= h.edges[i] && *h.gate <= h.edges[i + 1]);
-  };
-  while (last > first && idle(last)) --last;
-  if (h.edges.front() != 0.0 || last > 20)
-    while (first < last && idle(first)) ++first;
+  double tail = 0.0;
+  while (last > first && !holds_gate(last) && tail + h.areas_m2[last] <= kTail * total) tail += h.areas_m2[last--];
+  h.areas_m2[last] += tail;
+  tail = 0.0;
+  if (last >= kFewBins)
+    while (first < last && !holds_gate(first) && tail + h.areas_m2[first] <= kTail * total) tail += h.areas_m2[first++];
+  h.areas_m2[first] += tail;
   const auto at = [](auto& list, std::size_t i) { return list.begin() + static_cast<std::ptrdiff_t>(i); };
   h.areas_m2 = {at(h.areas_m2, first), at(h.areas_m2, last + 1)};
   h.edges = {at(h.edges, first), at(h.edges, last + 2)};
@@ -181,7 +188,7 @@ std::optional<report::CoverageView> read_coverage_view(const ReportInputs& in, c
   const io::Json json = io::read_json(file);
   report::CoverageView view;
   view.facets = static_cast<std::size_t>(std::max(0.0, real_of(json, "facets")));
-  view.area_m2 = real_of(json, "observed_area_m2");
+  view.area_m2 = real_of(json, "area_m2");
   if (const io::Json* verdicts = json.find("area_m2_by_verdict"); verdicts != nullptr && verdicts->is_object())
     for (const auto& [verdict, area] : verdicts->as_object()) view.verdicts.push_back({verdict, area.as_real()});
   view.complete_fraction = real_of(json, "completeness");

@@ -60,15 +60,30 @@ void add_raster(report::ReportData& data, const std::optional<io::Raster>& raste
   if (raster) data.rasters.push_back({role, float_band(raster->bands.front()), std::move(unit)});
 }
 
-// The map shows ground that was measured: cells whose band `observed` is 0 become empty.
+// The map shows ground that was measured: cells whose band `observed` is 0 become empty, but for
+// single ones among measured neighbours.
 void hide_interpolated(const io::Raster& surface, geometry::Grid<float>& heights) {
-  for (const io::RasterBand& band : surface.bands) {
-    if (band.name != "observed") continue;
-    const geometry::Grid<float> observed = float_band(band);
-    if (observed.values.size() != heights.values.size()) return;
-    for (std::size_t i = 0; i < heights.values.size(); ++i)
-      if (!(observed.values[i] > 0.0F)) heights.values[i] = std::numeric_limits<float>::quiet_NaN();
-  }
+  constexpr int kNeighbours = 4;  // of eight
+  const auto band =
+      std::find_if(surface.bands.begin(), surface.bands.end(), [](const auto& b) { return b.name == "observed"; });
+  if (band == surface.bands.end()) return;
+  const geometry::Grid<float> observed = float_band(*band);
+  if (observed.values.size() != heights.values.size()) return;
+  const auto rows = static_cast<std::ptrdiff_t>(observed.geometry.rows);
+  const auto columns = static_cast<std::ptrdiff_t>(observed.geometry.columns);
+  const auto seen = [&](std::ptrdiff_t r, std::ptrdiff_t c) {
+    return r >= 0 && c >= 0 && r < rows && c < columns &&
+           observed.at(static_cast<std::size_t>(r), static_cast<std::size_t>(c)) > 0.0F;
+  };
+  for (std::ptrdiff_t r = 0; r < rows; ++r)
+    for (std::ptrdiff_t c = 0; c < columns; ++c) {
+      if (seen(r, c)) continue;
+      int around = 0;
+      for (std::ptrdiff_t y = r - 1; y <= r + 1; ++y)
+        for (std::ptrdiff_t x = c - 1; x <= c + 1; ++x) around += seen(y, x) ? 1 : 0;
+      if (around < kNeighbours)
+        heights.at(static_cast<std::size_t>(r), static_cast<std::size_t>(c)) = std::numeric_limits<float>::quiet_NaN();
+    }
 }
 
 void check_frame(const survey::Origin& product, const survey::Origin& survey, const fs::path& file) {
@@ -141,7 +156,11 @@ void add_stage_records(report::ReportData& data, const ReportInputs& in) {
       data.rejects.push_back(
           {stage, {r.at("record").as_string(), r.at("reason").as_string(), r.at("message").as_string()}});
     if (const io::Json* warnings = json.find("warnings"))
-      for (const io::Json& w : warnings->as_array()) data.provenance.warnings.push_back(w.as_string());
+      for (const io::Json& w : warnings->as_array()) {
+        // Stages that read the same file warn of the same things.
+        auto& all = data.provenance.warnings;
+        if (std::find(all.begin(), all.end(), w.as_string()) == all.end()) all.push_back(w.as_string());
+      }
   }
 }
 

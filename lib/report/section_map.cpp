@@ -298,10 +298,15 @@ Html map_figure(const PageContext& page) {
   overlay_choice(h, "footprints", "Footprints", footprints, false, key("footprint"));
   h.raw("</fieldset><div class=\"legends\">").add(legends);
   h.raw("<div class=\"legend-classes\">").add(target_key).raw("</div>");
-  if (!d.frames.empty())
-    h.raw(
-        "<p class=\"legend-note\">Photograph arrows stand at the camera and point where the top of the image "
-        "points.</p>");
+  const bool given_up = std::any_of(d.targets.begin(), d.targets.end(), [](const TargetView& t) {
+    return t.target.state == survey::TargetState::deregistered;
+  });
+  if (!d.frames.empty() || given_up) {
+    h.raw("<p class=\"legend-note\">");
+    if (!d.frames.empty()) h.raw("Photograph arrows stand at the camera and point where the top of the image points. ");
+    if (given_up) h.raw("Pale objects are candidates that were given up.");
+    h.raw("</p>");
+  }
   h.raw("</div></figcaption></figure>");
   return h;
 }

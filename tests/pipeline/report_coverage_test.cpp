@@ -10,7 +10,7 @@ namespace {
 
 TEST(ReadCoverageView, TakesFiguresGatesVerdictsAndGaps) {
   const testing::TempFolder folder;
-  base::write_file(folder / "coverage.json", R"({"facets": 12, "observed_area_m2": 80.5, "completeness": 0.75,
+  base::write_file(folder / "coverage.json", R"({"facets": 12, "area_m2": 80.5, "completeness": 0.75,
     "area_m2_by_verdict": {"passed": 60, "occluded": 20.5},
     "gates": [{"name": "incidence", "rule": "at most 60 deg in two views", "pass_fraction": 0.9}],
     "histograms": [{"metric": "parallax_deg", "title": "P", "unit": "deg", "edges": [0, 5, 10, 15, 20],
@@ -43,9 +43,28 @@ TEST(ReadCoverageView, TakesFiguresGatesVerdictsAndGaps) {
   EXPECT_EQ(view->gaps[0].nearest_frames, (std::vector<std::string>{"a.jpg", "frame 9"}));
 }
 
+TEST(ReadCoverageView, ThinTailsAreFoldedAndNoAreaIsLost) {
+  const testing::TempFolder folder;
+  std::string edges = "0", areas = "0.1";
+  for (int i = 1; i <= 100; ++i) {
+    edges += "," + std::to_string(i);
+    if (i < 100) areas += i >= 40 && i < 50 ? ",100" : i == 99 ? ",0.5" : ",0";
+  }
+  base::write_file(folder / "coverage.json", R"({"histograms": [{"metric": "gsd_mm", "title": "G", "unit": "mm/px",
+    "edges": [)" + edges + "], \"areas_m2\": [" + areas +
+                                                 "]}]}");
+  const auto view = read_coverage_view({folder.path(), {}, {}, false}, {}, std::nullopt);
+  const auto& h = view->histograms.at(0);
+  EXPECT_EQ(h.edges.front(), 40.0);
+  EXPECT_EQ(h.edges.back(), 50.0);
+  double total = 0.0;
+  for (const double a : h.areas_m2) total += a;
+  EXPECT_NEAR(total, 1000.6, 1e-9);
+}
+
 TEST(ReadCoverageView, HistogramsComeFromTheRasterWhereTheFileHasNone) {
   const testing::TempFolder folder;
-  base::write_file(folder / "coverage.json", R"({"facets": 4, "observed_area_m2": 1, "completeness": 1})");
+  base::write_file(folder / "coverage.json", R"({"facets": 4, "area_m2": 1, "completeness": 1})");
   geometry::Grid<float> views({0.0, 1.0, 0.5, 2, 2}, 3.0F);
   views.values[0] = 1.0F;
   io::Raster raster;
