@@ -34,6 +34,23 @@ void refuse_far_cloud(const geometry::PointCloud& cloud, const fs::path& path, c
       .hint("Import again with the right --cloud-crs");
 }
 
+// Units that the file states beside its CRS (LAS unit keys). Taking feet for metres would scale the survey.
+void refuse_other_units(const io::SourceFacts& facts, const std::string& crs, const fs::path& path) {
+  constexpr double kSameUnit = 1e-6;  // relative; the two feet differ by 2e-6
+  geodesy::CrsInfo info;
+  if (crs != "local") info = geodesy::describe_crs(crs);
+  const auto check = [&](const char* axis, double stated, double declared) {
+    if (stated == 0.0 || std::abs(stated / declared - 1.0) < kSameUnit) return;
+    throw Error(ErrorCode::crs_mismatch, std::string("the cloud states another ") + axis + " unit than its CRS has")
+        .file(path.string())
+        .found(base::to_text(stated) + " m a unit")
+        .allowed(base::to_text(declared) + " m a unit, as in " + (crs == "local" ? crs : info.name))
+        .hint("Import again with the --cloud-crs that the coordinates really are in");
+  };
+  if (!info.geographic) check("horizontal", facts.horizontal_unit_m, info.horizontal_unit_m);
+  check("vertical", facts.vertical_unit_m, info.has_vertical ? info.vertical_unit_m : 1.0);
+}
+
 }  // namespace
 
 bool has_cloud(const survey::Survey& survey) {
@@ -59,6 +76,7 @@ SurveyCloud load_cloud(const fs::path& survey_folder, const survey::Survey& surv
     throw Error(ErrorCode::crs_mismatch, "the cloud declares no coordinate reference system")
         .file(result.path.string())
         .hint("Import again with --cloud-crs EPSG:n, or --cloud-crs local where it is in the survey's own frame");
+  refuse_other_units(data.facts, crs, result.path);
   if (crs != "local") {
     const geodesy::LocalFrame frame(survey.manifest.origin.position);
     const geodesy::CrsConverter converter(crs, frame);
