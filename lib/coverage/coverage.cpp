@@ -122,7 +122,7 @@ class TileWork {
       double least = p[0].x() * x + p[0].y() * y + p[0].z() * z;
       for (std::size_t i = 1; i < 4; ++i) least = std::min(least, p[i].x() * x + p[i].y() * y + p[i].z() * z);
       const double depth = p[4].x() * x + p[4].y() * y + p[4].z() * z;
-      inside_[k] = (least >= 0.0) & (depth > 0.0 || !view.bounds->bounded) ? 1 : 0;
+      inside_[k] = least >= 0.0 && (depth > 0.0 || !view.bounds->bounded) ? 1 : 0;
     }
   }
 

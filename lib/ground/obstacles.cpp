@@ -17,6 +17,8 @@ using survey::ObstacleKind;
 using survey::Target;
 using survey::TargetState;
 
+constexpr double kUnknownShape = 0.5;  // height / width where no ground says how high an object is (boulders, cars)
+
 std::string lower(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
@@ -63,14 +65,14 @@ std::optional<PixelSlopes> slopes(const survey::Camera& camera, const geometry::
   return result;
 }
 
-// Diameter of the upright cylinder that fills the box; height empty = as high as wide.
+// Diameter of the upright cylinder that fills the box; height empty = half as high as wide.
 std::optional<double> diameter(const PixelSlopes& s, const geometry::PixelBox& box, std::optional<double> height) {
   double widest = 0.0;
   const auto along = [&](const Vec3& slope, double extent_px) {
     const double level = slope.head<2>().norm(), upright = std::abs(slope.z());
     // An axis that mostly shows the height says little about the width.
     if (!(level > upright)) return;
-    const double d = height ? (extent_px - *height * upright) / level : extent_px / (level + upright);
+    const double d = height ? (extent_px - *height * upright) / level : extent_px / (level + kUnknownShape * upright);
     if (std::isfinite(d)) widest = std::max(widest, d);
   };
   along(s.u, box.width());
@@ -175,7 +177,7 @@ ObstacleResult make_obstacles(std::span<const Target> targets, const survey::Sur
       continue;
     }
     o.width_m = *width;
-    o.height_m = height.value_or(std::max(options.min_height_m, *width));
+    o.height_m = height.value_or(std::max(options.min_height_m, kUnknownShape * *width));
     if (!foot) ++result.without_ground;
     o.position = {target.centre.x(), target.centre.y(), foot.value_or(target.centre.z() - 0.5 * o.height_m)};
     result.obstacles.push_back(std::move(o));

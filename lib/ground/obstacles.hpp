@@ -47,7 +47,7 @@ struct ObstacleResult {
 // Width and height: an upright cylinder of diameter D and height H about the centre spans, along an image axis, the
 // pixels D |j_h| + H |j_z|, with j the derivative of that pixel coordinate by the position (B7 made true for any view).
 // H is twice the centre's height above the ground (the centre of an outline lies half way up), at least min-height-m;
-// where no ground is known, H = D. D of a box is the larger of its two axes' values, as it must hold the object;
+// where no ground is known, H = D/2. D of a box is the larger of its two axes' values, as it must hold the object;
 // the width is the median over the boxes that are whole. Without such boxes: the bounding cylinder's.
 // Linear in detections; log n to find each.
 [[nodiscard]] ObstacleResult make_obstacles(std::span<const survey::Target> targets, const survey::Survey& survey,

@@ -9,7 +9,7 @@ echo "import: poses by COLMAP, 1600-pixel photographs, recorded detections, clou
 "$cairn" import colmap "$here/colmap_enu" --images "$here/images_1600" \
   --origin 46.8426,-91.9940,158.0 --height-type ellipsoidal --scale-images 0.4 \
   --detections "$here/detections.csv" --cloud "$here/model.las" --similarity "$here/enu_frame.json" \
-  -o "$here/survey" --overwrite
+  --name "Brighton Beach" -o "$here/survey" --overwrite
 
 echo "check: is the survey sound?"
 "$cairn" check "$here/survey"

@@ -125,11 +125,12 @@ TEST(Obstacles, LeavesOutWhatIsNotLocated) {
 
 TEST(Obstacles, WithoutGroundTheFootIsBelowTheCentre) {
   Scene scene;
-  scene.cylinder({8, 0, 0}, 1.0, 1.0);
+  scene.cylinder({8, 0, 0}, 1.0, 0.5);
   const auto none = scene.run({}, nullptr);
   ASSERT_EQ(none.obstacles.size(), 1U);
   EXPECT_EQ(none.without_ground, 1U);
-  EXPECT_NEAR(none.obstacles[0].position.z(), 0.0, 0.1);
+  EXPECT_NEAR(none.obstacles[0].position.z(), 0.0, 0.02);
+  EXPECT_NEAR(none.obstacles[0].width_m, 1.0, 0.03);
   const auto unknown = scene.run({}, [](double, double) { return std::optional<double>(std::nan("")); });
   EXPECT_EQ(unknown.without_ground, 1U);
   EXPECT_TRUE(unknown.obstacles[0].position.allFinite());
