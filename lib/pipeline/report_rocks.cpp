@@ -1,4 +1,3 @@
-#include <Eigen/Dense>
 #include <cmath>
 #include <string>
 
@@ -41,8 +40,10 @@ std::vector<std::uint8_t> seen_triangles(const geometry::TriangleMesh& mesh, con
     a += d * d.transpose();
     b += d * (p.z() - middle.z());
   }
-  if (!(std::abs(a.determinant()) > 1e-12)) return {};
-  const geometry::Vec2 slope = a.inverse() * b;
+  const double determinant = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+  if (!(std::abs(determinant) > 1e-12)) return {};
+  const geometry::Vec2 slope((a(1, 1) * b.x() - a(0, 1) * b.y()) / determinant,
+                             (a(0, 0) * b.y() - a(1, 0) * b.x()) / determinant);
   const auto on_plane = [&](const geometry::Vec3& p) {
     return std::abs(p.z() - middle.z() - slope.dot((p - middle).head<2>())) < kOnPlane_m;
   };
