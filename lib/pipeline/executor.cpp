@@ -106,8 +106,11 @@ bool intact(const Record& record, const fs::path& out) {
   return true;
 }
 
+// What later stages may read: the products, and what the record tells about them (the report lists rejects).
 std::string content_digest(const Record& record) {
   base::Digest digest;
+  digest.add_field(record.summary.dump(0)).add_field(to_json(record.rejects).dump(0));
+  digest.add_field(Json(record.warnings).dump(0));
   for (const auto& p : record.products) digest.add_field(p.path).add_field(p.sha256);
   return std::move(digest).hex();
 }
