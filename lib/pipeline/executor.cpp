@@ -231,13 +231,21 @@ std::string job_in(const fs::path& out) {
   }
 }
 
+// Nothing, or nothing but the state folder of a job that was stopped before its first record.
+bool holds_nothing(const fs::path& out) {
+  std::error_code code;
+  if (!fs::exists(out, code)) return true;
+  for (const auto& entry : fs::directory_iterator(out))
+    if (entry.path().filename() != kStateFolder) return false;
+  return true;
+}
+
 void claim_folder(const fs::path& out, const std::string& job_key, bool overwrite) {
   std::error_code code;
   if (fs::exists(out, code) && !fs::is_directory(out, code))
     throw Error(ErrorCode::already_exists, "the output folder's name is taken by a file").file(out.string());
   const std::string job = job_in(out);
-  const bool empty = !fs::exists(out, code) || fs::is_empty(out, code);
-  if (empty || job == job_key) return;
+  if (job == job_key || (job.empty() && holds_nothing(out))) return;
   if (job.empty())
     throw Error(ErrorCode::already_exists, "the folder was not made by 'cairn run' and is left alone")
         .file(out.string())

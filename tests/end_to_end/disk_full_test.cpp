@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/atomic_file.hpp"
 #include "support/data.hpp"
 #include "support/run_program.hpp"
 #include "support/small_ground.hpp"
@@ -56,6 +57,80 @@ TEST(DiskFull, CostmapLeavesNothingAtAnyWrite) {
   sweep({"costmap", "--obstacles", (in / "obstacles.json").string(), "--surface", (in / "surface.tif").string(), "-o",
          (results / "out").string()},
         results.path(), results / "out");
+}
+
+std::vector<std::string> import_arguments(const fs::path& to) {
+  const auto in = cairn::testing::sample("brighton_beach");
+  return {"import",
+          "colmap",
+          (in / "colmap_enu").string(),
+          "--images",
+          (in / "images_1600").string(),
+          "--origin",
+          "46.8426,-91.9940,158.0",
+          "--height-type",
+          "ellipsoidal",
+          "--scale-images",
+          "0.4",
+          "--detections",
+          (in / "detections.csv").string(),
+          "-o",
+          to.string()};
+}
+
+TEST(DiskFull, ImportLeavesNothingAtAnyWrite) {
+  const TempFolder results;
+  sweep(import_arguments(results / "survey"), results.path(), results / "survey");
+}
+
+std::map<std::string, std::string> products(const fs::path& folder) {
+  std::map<std::string, std::string> contents;
+  if (!fs::exists(folder)) return contents;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).string();
+    if (entry.is_regular_file() && !name.starts_with(".cairn") && name != "run.json")
+      contents[name] = cairn::base::read_file(entry.path());
+  }
+  return contents;
+}
+
+// A job may keep what was finished, for resuming; whatever stands under its final name is whole.
+TEST(DiskFull, AJobKeepsWholeProductsOnlyAndResumes) {
+  const TempFolder folder;
+  const fs::path survey = folder / "survey", recipe = folder / "recipe.json";
+  ASSERT_EQ(cairn(import_arguments(survey)).exit_code, 0);
+  cairn::base::write_file(recipe, R"({"schema_version": 1, "name": "small", "stages": [{"stage": "locate"}]})");
+  const auto run = [&](const fs::path& out, const std::map<std::string, std::string>& environment) {
+    return cairn({"run", recipe.string(), survey.string(), "-o", out.string()}, environment);
+  };
+  ASSERT_EQ(run(folder / "reference", {}).exit_code, 0);
+  const auto reference = products(folder / "reference");
+  ASSERT_FALSE(reference.empty());
+
+  const fs::path out = folder / "out";
+  for (int n = 1; n <= kMostWrites; ++n) {
+    const TempFolder logs;
+    const std::string log = (logs / "log").string();
+    std::error_code ignored;
+    fs::remove_all(out, ignored);
+    const auto result = run(
+        out, {{"LD_PRELOAD", CAIRN_FAILING_WRITES}, {"CAIRN_FAIL_WRITE", std::to_string(n)}, {"CAIRN_FAIL_LOG", log}});
+    if (!fs::exists(log)) {
+      EXPECT_EQ(result.exit_code, 0) << result.err;
+      EXPECT_GT(n, 3);
+      return;
+    }
+    ASSERT_EQ(result.exit_code, 5) << "write " << n << ": " << result.err;
+    EXPECT_FALSE(fs::exists(out / "run.json")) << "write " << n;
+    for (const auto& [name, content] : products(out)) {
+      ASSERT_TRUE(reference.contains(name)) << "write " << n << " left " << name;
+      EXPECT_EQ(content, reference.at(name)) << "write " << n << ", " << name;
+    }
+    const auto resumed = run(out, {});
+    ASSERT_EQ(resumed.exit_code, 0) << "write " << n << ": " << resumed.err;
+    EXPECT_EQ(products(out), reference) << "write " << n;
+  }
+  FAIL() << "more than " << kMostWrites << " writes";
 }
 
 TEST(DiskFull, AFolderThatCannotBeWrittenIsSaid) {
