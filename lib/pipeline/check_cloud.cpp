@@ -194,6 +194,24 @@ std::optional<std::string> crs_of(const survey::Source& source, const std::strin
   return source.crs.empty() ? in_file : source.crs;
 }
 
+// Units that the file states beside its CRS: where they differ, nobody knows what the numbers are.
+bool units_agree(const io::SourceFacts& facts, const geodesy::CrsInfo& info, const std::string& file,
+                 Findings& findings) {
+  constexpr double kSameUnit = 1e-6;  // relative; the two feet differ by 2e-6
+  bool agree = true;
+  const auto check = [&](const char* axis, double stated, double declared) {
+    if (stated == 0.0 || std::abs(stated / declared - 1.0) < kSameUnit) return;
+    agree = false;
+    findings.add({"cloud_units_contradict", Severity::error, file, std::string(axis) + " unit",
+                  told("the cloud states another unit than its coordinate reference system has",
+                       base::to_text(stated) + " m a unit", base::to_text(declared) + " m a unit"),
+                  "Import again with the --cloud-crs that the coordinates really are in"});
+  };
+  if (!info.geographic) check("horizontal", facts.horizontal_unit_m, info.horizontal_unit_m);
+  check("vertical", facts.vertical_unit_m, info.has_vertical ? info.vertical_unit_m : 1.0);
+  return agree;
+}
+
 }  // namespace
 
 std::optional<CheckedCloud> check_cloud(const CheckedSurvey& checked, const fs::path& folder,
@@ -245,6 +263,7 @@ std::optional<CheckedCloud> check_cloud(const CheckedSurvey& checked, const fs::
       return std::nullopt;
     }
   }
+  if (!units_agree(data.facts, info, file, findings)) return std::nullopt;
   if (!info.has_vertical && source->height_type == survey::HeightType::unknown)
     findings.add({"cloud_no_vertical_datum", Severity::warning, file, "heights",
                   "the cloud's heights have no declared datum (found " + (info.name.empty() ? *crs : info.name) +

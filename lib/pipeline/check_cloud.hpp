@@ -20,8 +20,9 @@ struct CheckedCloud {
 };
 
 // The cloud where it can be used, else nothing. Codes: cloud_missing, cloud_unreadable, cloud_empty,
-// cloud_no_crs, cloud_crs_invalid, cloud_no_vertical_datum, cloud_in_feet, cloud_heights_in_feet,
-// cloud_heights_differ, cloud_wrong_crs, cloud_far_from_survey, cloud_no_colours, cloud_file_note.
+// cloud_no_crs, cloud_crs_invalid, cloud_units_contradict, cloud_no_vertical_datum, cloud_in_feet,
+// cloud_heights_in_feet, cloud_heights_differ, cloud_wrong_crs, cloud_far_from_survey, cloud_no_colours,
+// cloud_file_note.
 //
 // A cloud that is not near the survey is tried again read in feet, with heights in feet, as another UTM
 // zone, as latitude and longitude, and with its axes swapped; what puts it there is named.

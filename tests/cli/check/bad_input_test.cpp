@@ -255,6 +255,19 @@ TEST_F(CheckBadCloud, Truncated) {
   expect("cloud_unreadable", "cloud.las", "byte", "points", "at most", "truncated");
 }
 
+TEST_F(CheckBadCloud, StatesFeetBesideACrsInMetres) {
+  // ProjLinearUnitsGeoKey 3076, one value: 9001 (metre) becomes 9003 (US survey foot).
+  auto bytes = cairn::testing::read_text(cairn::testing::sample("brighton_beach/model.las"));
+  const auto at = bytes.find(std::string("\x04\x0c\0\0\x01\0\x29\x23", 8));
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 6] = '\x2b';
+  cairn::testing::write_text(cloud_, bytes);
+  auto survey = cairn::testing::check_small_survey();
+  survey.manifest.sources.push_back(cairn::testing::cloud_source(cloud_));
+  write(survey);
+  expect("cloud_units_contradict", "cloud.las", "horizontal unit", "0.3048", "1 m a unit", "--cloud-crs");
+}
+
 TEST_F(CheckBadCloud, Missing) {
   write_with_cloud("EPSG:32615", same);
   fs::remove(cloud_);
