@@ -36,7 +36,13 @@ io::Json error_json(const base::Error& e) {
 int report(std::string_view name, bool json, const base::Error& e) {
   const int code = static_cast<int>(base::exit_code(e.code()));
   std::fprintf(stderr, "cairn %.*s: error: %s\n", static_cast<int>(name.size()), name.data(), e.what());
-  if (json) print_out(io::Json::object({{"error", error_json(e)}, {"exit_code", code}}).dump(2) + "\n");
+  if (json) {
+    try {
+      print_out(io::Json::object({{"error", error_json(e)}, {"exit_code", code}}).dump(2) + "\n");
+    } catch (const base::Error&) {
+      // Nobody can read stdout; the message is on stderr and the code tells the rest.
+    }
+  }
   return code;
 }
 

@@ -65,6 +65,10 @@ SurveyCloud load_cloud(const fs::path& survey_folder, const survey::Survey& surv
         .hint("Import it again with --cloud");
   SurveyCloud result;
   result.path = io::resolve_reference(source->path, survey_folder);
+  std::error_code no_size;
+  const auto bytes = fs::file_size(result.path, no_size);
+  // A point of 20 to 30 bytes on disk takes up to 150 in memory with its columns.
+  if (!no_size) ctx.check_memory(6 * bytes, "the cloud " + result.path.filename().string());
   io::CloudFile data = io::read_cloud(result.path);
   if (data.cloud.empty())
     throw Error(ErrorCode::invalid_input, "the cloud has no points").file(result.path.string()).allowed("at least 1");

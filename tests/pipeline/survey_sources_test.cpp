@@ -106,6 +106,12 @@ TEST_F(SurveySources, MissingIsRefused) {
   expect_refusal(ErrorCode::not_found, "");
 }
 
+TEST_F(SurveySources, BeyondTheMemoryLimitIsRefusedBeforeItIsRead) {
+  attach("EPSG:32615", "");
+  ctx_.memory_limit_bytes = 1 << 20;  // less than the test program itself
+  expect_refusal(ErrorCode::resource_exhausted, "memory limit");
+}
+
 TEST_F(SurveySources, NoVerticalDatumIsAWarning) {
   attach("EPSG:32615", "");
   survey_.manifest.sources[0].height_type = survey::HeightType::unknown;

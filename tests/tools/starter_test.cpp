@@ -66,6 +66,17 @@ TEST(Starter, EverySubcommandHasHelpAPageAndATest) {
   }
 }
 
+// A closed or full stdout is an error like any other, not a crash.
+TEST(Starter, StdoutThatCannotBeWritten) {
+  for (const auto* arguments : {"info no-such-file --json", "info --json-usage", "run --no-such-option --json"}) {
+    const auto result =
+        cairn::testing::run_program("/bin/sh", {"-c", std::string(CAIRN_PROGRAM) + " " + arguments + " > /dev/full"});
+    EXPECT_GE(result.exit_code, 2) << arguments << result.err;
+    EXPECT_LE(result.exit_code, 5) << arguments << result.err;
+    EXPECT_THAT(result.err, HasSubstr("error")) << arguments;
+  }
+}
+
 TEST(Starter, UnknownOptionsAreUsageErrorsInJsonToo) {
   for (const auto& name : listed()) {
     const auto result = cairn({name, "--no-such-option", "--json"});
