@@ -43,6 +43,50 @@ geometry::VerticalCylinder cylinder_from_json(const Json& json) {
   return c;
 }
 
+survey::TargetState state_from_json(const Json& json) {
+  const std::string& state = json.at("state").as_string();
+  const auto known = survey::target_state_from(state);
+  if (!known)
+    throw base::Error(base::ErrorCode::invalid_input, "unknown state")
+        .found("'" + state + "'")
+        .allowed("generated, converging, converged, mapped, deregistered");
+  return *known;
+}
+
+Json refined_to_json(const survey::RefinedBody& r) {
+  for (int i = 0; i < 9; ++i) finite(r.covariance.data()[i], "refined.covariance_m2");
+  return Json::object({{"centre_m", vec3_to_json(r.centre, "refined.centre_m")},
+                       {"covariance_m2", matrix_to_json<3>(r.covariance)},
+                       {"cylinder", cylinder_to_json(r.cylinder)},
+                       {"semi_axes_m", vec3_to_json(r.semi_axes_m, "refined.semi_axes_m")},
+                       {"azimuth_deg", finite(r.azimuth_deg, "refined.azimuth_deg")},
+                       {"rms_px", finite(r.rms_px, "refined.rms_px")},
+                       {"boxes", r.boxes},
+                       {"rejected_boxes", r.rejected_boxes}});
+}
+
+std::size_t count_from_json(const Json& json, const char* member) {
+  const std::int64_t count = json.at(member).as_integer();
+  if (count < 0)
+    throw base::Error(base::ErrorCode::invalid_input, std::string(member) + " is negative")
+        .found(std::to_string(count))
+        .allowed("0 or more");
+  return static_cast<std::size_t>(count);
+}
+
+survey::RefinedBody refined_from_json(const Json& json) {
+  survey::RefinedBody r;
+  r.centre = json.at("centre_m").as_vec3();
+  r.covariance = matrix_from_json<3>(json.at("covariance_m2"));
+  r.cylinder = cylinder_from_json(json.at("cylinder"));
+  r.semi_axes_m = json.at("semi_axes_m").as_vec3();
+  r.azimuth_deg = json.at("azimuth_deg").as_real();
+  r.rms_px = json.at("rms_px").as_real();
+  r.boxes = count_from_json(json, "boxes");
+  r.rejected_boxes = count_from_json(json, "rejected_boxes");
+  return r;
+}
+
 }  // namespace
 
 const survey::Target* TargetsFile::find(survey::TargetId id) const {
@@ -53,6 +97,9 @@ const survey::Target* TargetsFile::find(survey::TargetId id) const {
 
 Json to_json(const survey::Target& t) {
   for (int i = 0; i < 9; ++i) finite(t.covariance.data()[i], "covariance_m2");
+  Json history = Json::array();
+  for (const auto& entry : t.history)
+    history.push(Json::object({{"state", survey::name_of(entry.state)}, {"frame", entry.frame.value}}));
   return Json::object({{"id", t.id.value},
                        {"class", t.object_class},
                        {"state", survey::name_of(t.state)},
@@ -64,6 +111,8 @@ Json to_json(const survey::Target& t) {
                        {"bcylinder", t.bcylinder ? cylinder_to_json(*t.bcylinder) : Json()},
                        {"entropy_nats", finite_list(t.entropy_nats, "entropy_nats")},
                        {"divergence", finite_list(t.divergence, "divergence")},
+                       {"history", std::move(history)},
+                       {"refined", t.refined ? refined_to_json(*t.refined) : Json()},
                        {"reasons", Json(t.reasons)}});
 }
 
@@ -71,13 +120,7 @@ survey::Target target_from_json(const Json& json) {
   survey::Target t;
   t.id = survey::TargetId(json.at("id").as_integer());
   t.object_class = json.at("class").as_string();
-  const std::string& state = json.at("state").as_string();
-  const auto known = survey::target_state_from(state);
-  if (!known)
-    throw base::Error(base::ErrorCode::invalid_input, "unknown state")
-        .found("'" + state + "'")
-        .allowed("generated, converging, converged, mapped, deregistered");
-  t.state = *known;
+  t.state = state_from_json(json);
   t.centre = json.at("centre_m").as_vec3();
   t.covariance = matrix_from_json<3>(json.at("covariance_m2"));
   t.mean_score = json.at("mean_score").as_real();
@@ -88,6 +131,11 @@ survey::Target target_from_json(const Json& json) {
   t.entropy_nats = real_list(json.at("entropy_nats"));
   t.divergence = real_list(json.at("divergence"));
   t.reasons = text_list(json.at("reasons"));
+  if (const Json* history = json.find("history"))
+    for (const auto& entry : history->as_array())
+      t.history.push_back({state_from_json(entry), survey::FrameId(entry.at("frame").as_integer())});
+  if (const Json* refined = json.find("refined"); refined != nullptr && !refined->is_null())
+    t.refined = refined_from_json(*refined);
   return t;
 }
 

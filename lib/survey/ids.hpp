@@ -10,6 +10,7 @@ using FrameId = base::Id<struct FrameTag>;
 using DetectionId = base::Id<struct DetectionTag>;
 using TrackId = base::Id<struct TrackTag>;
 using TargetId = base::Id<struct TargetTag>;
+using ObjectId = base::Id<struct ObjectTag>;  // of a simulated survey's truth
 using TiePointId = base::Id<struct TiePointTag>;
 
 }  // namespace cairn::survey

@@ -7,6 +7,7 @@
 #include "survey/obstacle.hpp"
 #include "survey/rock.hpp"
 #include "survey/target.hpp"
+#include "survey/tracklet.hpp"
 
 namespace cairn::survey {
 namespace {
@@ -23,6 +24,7 @@ constexpr Names<TargetState, 5> kTargetStates{{{TargetState::generated, "generat
                                                {TargetState::converged, "converged"},
                                                {TargetState::mapped, "mapped"},
                                                {TargetState::deregistered, "deregistered"}}};
+constexpr Names<TrackState, 2> kTrackStates{{{TrackState::detected, "detected"}, {TrackState::coasted, "coasted"}}};
 constexpr Names<Grade, 4> kGrades{{{Grade::measured, "measured"},
                                    {Grade::bounded, "bounded"},
                                    {Grade::screening, "screening"},
@@ -59,6 +61,12 @@ std::string_view name_of(CameraModel model) {
 }
 std::optional<CameraModel> camera_model_from(std::string_view name) {
   return value_in(kCameraModels, name);
+}
+std::string_view name_of(TrackState state) {
+  return name_in(kTrackStates, state);
+}
+std::optional<TrackState> track_state_from(std::string_view name) {
+  return value_in(kTrackStates, name);
 }
 std::string_view name_of(TargetState state) {
   return name_in(kTargetStates, state);

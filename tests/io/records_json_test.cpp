@@ -49,6 +49,20 @@ survey::Target target(std::int64_t id, bool with_cylinder) {
   t.divergence = reals(random, 2);
   t.reasons = {"too_few_boxes", "\xC3\xA9"};
   t.mean_score = random.uniform();
+  t.history = {{survey::TargetState::generated, survey::FrameId(0)},
+               {survey::TargetState::deregistered, survey::FrameId(12)}};
+  if (with_cylinder) {
+    survey::RefinedBody r;
+    r.centre = vec3(random);
+    r.covariance = mat3(random);
+    r.cylinder = {{random.normal(), random.normal()}, -2.5, 0.125, 0.7};
+    r.semi_axes_m = vec3(random);
+    r.azimuth_deg = 12.75;
+    r.rms_px = random.uniform();
+    r.boxes = 17;
+    r.rejected_boxes = 2;
+    t.refined = r;
+  }
   return t;
 }
 
@@ -71,6 +85,21 @@ void expect_same(const survey::Target& a, const survey::Target& b) {
   EXPECT_EQ(a.divergence, b.divergence);
   EXPECT_EQ(a.reasons, b.reasons);
   EXPECT_EQ(a.mean_score, b.mean_score);
+  EXPECT_EQ(a.history, b.history);
+  ASSERT_EQ(a.refined.has_value(), b.refined.has_value());
+  if (a.refined) {
+    EXPECT_EQ(a.refined->centre, b.refined->centre);
+    EXPECT_EQ(a.refined->covariance, b.refined->covariance);
+    EXPECT_EQ(a.refined->cylinder.axis, b.refined->cylinder.axis);
+    EXPECT_EQ(a.refined->cylinder.bottom, b.refined->cylinder.bottom);
+    EXPECT_EQ(a.refined->cylinder.top, b.refined->cylinder.top);
+    EXPECT_EQ(a.refined->cylinder.radius, b.refined->cylinder.radius);
+    EXPECT_EQ(a.refined->semi_axes_m, b.refined->semi_axes_m);
+    EXPECT_EQ(a.refined->azimuth_deg, b.refined->azimuth_deg);
+    EXPECT_EQ(a.refined->rms_px, b.refined->rms_px);
+    EXPECT_EQ(a.refined->boxes, b.refined->boxes);
+    EXPECT_EQ(a.refined->rejected_boxes, b.refined->rejected_boxes);
+  }
 }
 
 TEST(TargetsJson, RoundTripsBitForBit) {
