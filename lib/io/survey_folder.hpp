@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 
 #include "survey/survey.hpp"
@@ -24,6 +25,9 @@ namespace cairn::io {
 // `exact_pose`, reads back bit for bit; the rotation of any other to within 1e-15.
 // Throws invalid_input where a value is not finite, resource_exhausted where a write fails.
 void write_survey(const survey::Survey& survey, const std::filesystem::path& folder);
+
+// A table of detections alone, in the order given. Throws as write_survey.
+void write_detections(const std::filesystem::path& path, std::span<const survey::Detection> detections);
 
 // The pose with its rotation replaced by the nearest one (1e-15 rad) that its text gives back exactly.
 // Importers apply it, so that a survey in memory equals the same survey read from disk.
