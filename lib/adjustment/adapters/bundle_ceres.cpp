@@ -313,7 +313,6 @@ BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::
   options.callbacks.push_back(&stop);
   ceres::Solver::Summary summary;
   ceres::Solve(options, &problem, &summary);
-  if (getenv("BUNDLE_REPORT")) fprintf(stderr, "%s\n", summary.FullReport().c_str());
   ctx.check_stop();
   blocks.update();
   for (std::size_t f = 0; f < system.poses.size(); ++f)
