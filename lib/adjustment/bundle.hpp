@@ -88,11 +88,11 @@ struct BundleResult {
   BundleGauge gauge = BundleGauge::aligned;
   geometry::Similarity alignment;  // with BundleGauge::aligned: what was applied at the end
   bool converged = false;
-  double sigma_px = 0.0;                     // of the tie observations, estimated from the residuals (1.4826 MAD)
+  double sigma_px = 0.0;                           // of the tie observations, estimated from the residuals (1.4826 MAD)
   double rms_before_px = 0.0, rms_after_px = 0.0;  // over all observations used
   std::size_t points = 0, observations = 0;        // used
   std::size_t frames_adjusted = 0;
-  std::string covariance_method;  // "full", "block" or "none"
+  std::string covariance_method;      // "full", "block" or "none"
   std::vector<base::Reject> rejects;  // frames, points, observations, control points left out, with reasons
 };
 

@@ -17,16 +17,16 @@ struct BundleOptions {
   double outlier_sigmas = 5.0;      // observations farther off than this are removed; 0 = none are
   std::int64_t max_rounds = 6;      // of: solve, estimate sigma_px, remove outliers
   std::int64_t max_iterations = 50;
-  double function_tolerance = 1e-7;     // relative change of the cost at which a solve ends
-  std::int64_t min_observations = 8;    // a frame with fewer keeps its pose
-  double min_parallax_deg = 0.3;        // a point whose rays meet at less takes no part
-  std::string triangulate = "better";   // better | always | never: points anew from the start poses
-  bool priors = true;                   // the frames' sigmas hold their poses
-  double prior_sigma_xy_m = 0.0;        // in place of every frame's sigma; 0 = as the frame says
+  double function_tolerance = 1e-7;    // relative change of the cost at which a solve ends
+  std::int64_t min_observations = 8;   // a frame with fewer keeps its pose
+  double min_parallax_deg = 0.3;       // a point whose rays meet at less takes no part
+  std::string triangulate = "better";  // better | always | never: points anew from the start poses
+  bool priors = true;                  // the frames' sigmas hold their poses
+  double prior_sigma_xy_m = 0.0;       // in place of every frame's sigma; 0 = as the frame says
   double prior_sigma_z_m = 0.0;
   double prior_sigma_rot_deg = 0.0;
-  double prior_loss_scale = 3.0;        // Huber's, per frame [sigmas]: one wrong prior bends nothing; 0 = none
-  std::string covariance = "auto";      // auto | full | block | none
+  double prior_loss_scale = 3.0;              // Huber's, per frame [sigmas]: one wrong prior bends nothing; 0 = none
+  std::string covariance = "auto";            // auto | full | block | none
   std::int64_t full_covariance_frames = 400;  // auto: up to this many frames with all correlations
 
   void visit(base::OptionVisitor& v) {

@@ -47,9 +47,8 @@ Mat3 right_jacobian(const Vec3& w) {
 Mat3 inverse_right_jacobian(const Vec3& w) {
   const double angle = w.norm();
   const Mat3 k = cross_matrix(w);
-  const double b = angle < kSmall
-                       ? 1.0 / 12.0 + angle * angle / 720.0
-                       : 1.0 / (angle * angle) - 1.0 / (2.0 * angle * std::tan(0.5 * angle));
+  const double b = angle < kSmall ? 1.0 / 12.0 + angle * angle / 720.0
+                                  : 1.0 / (angle * angle) - 1.0 / (2.0 * angle * std::tan(0.5 * angle));
   return Mat3::Identity() + 0.5 * k + b * k * k;
 }
 

@@ -123,10 +123,8 @@ bool project_with_jacobian(const Camera& camera, const Vec3& p, IntrinsicsSet se
   if (!(p.z() > kNearest)) return false;
   Distorted at;
   const bool terms = by_intrinsics != nullptr && (set == IntrinsicsSet::radial || set == IntrinsicsSet::all);
-  if (camera.model == CameraModel::fisheye)
-    equidistant(camera, p, at);
-  else
-    perspective(camera, p, terms, at);
+  if (camera.model == CameraModel::fisheye) equidistant(camera, p, at);
+  else perspective(camera, p, terms, at);
   const Vec2 focal(camera.fx_px, camera.fy_px);
   pixel = {focal.x() * at.d.x() + camera.cx_px, focal.y() * at.d.y() + camera.cy_px};
   by_point.row(0) = focal.x() * at.by_point.row(0);

@@ -21,7 +21,8 @@ constexpr int kMaxIntrinsics = 8;
 using IntrinsicsJacobian = Eigen::Matrix<double, 2, kMaxIntrinsics, Eigen::RowMajor>;
 using PointJacobian = Eigen::Matrix<double, 2, 3, Eigen::RowMajor>;
 
-// Number of parameters of a set for a model, 0 to 8, in the order f, cx, cy, k1, k2, k3, k4, p1, p2 (those that are in).
+// Number of parameters of a set for a model, 0 to 8, in the order f, cx, cy, k1, k2, k3, k4, p1, p2 (those that are
+// in).
 [[nodiscard]] int intrinsics_count(survey::CameraModel model, IntrinsicsSet set);
 [[nodiscard]] std::vector<double> intrinsics_of(const survey::Camera& camera, IntrinsicsSet set);
 // The camera with the values put back. Precondition: values.size() == intrinsics_count.

@@ -56,7 +56,8 @@ double run_automatic(const adjustment::BundleSystem& system) {
     const auto T = system.poses[i].inverse();
     const auto w = adjustment::log_rotation(T.rotation);
     const auto& c = system.cameras[i];
-    cameras.push_back({w.x(), w.y(), w.z(), T.translation.x(), T.translation.y(), T.translation.z(), c.fx_px, c.k1, c.k2});
+    cameras.push_back(
+        {w.x(), w.y(), w.z(), T.translation.x(), T.translation.y(), T.translation.z(), c.fx_px, c.k1, c.k2});
   }
   auto points = system.points;
   const double start = bench::cpu_seconds();
@@ -88,8 +89,7 @@ int main(int argc, char** argv) {
   const auto count = [&](int i, std::size_t otherwise) {
     return argc > i ? static_cast<std::size_t>(std::strtoull(argv[i], nullptr, 10)) : otherwise;
   };
-  const auto system =
-      argc == 3 ? testing::read_bal(argv[2]) : testing::made_up_bal(count(2, 50), count(3, 20000));
+  const auto system = argc == 3 ? testing::read_bal(argv[2]) : testing::made_up_bal(count(2, 50), count(3, 20000));
   std::printf("%zu cameras, %zu points, %zu observations\n", system.poses.size(), system.points.size(),
               system.observations.size());
   if (which != "automatic") static_cast<void>(run_ours(system));

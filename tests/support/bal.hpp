@@ -28,8 +28,7 @@ inline void add_bal_camera(adjustment::BundleSystem& system, const BalCamera& ba
   system.camera_of.push_back(static_cast<std::int32_t>(system.cameras.size()));
   system.cameras.push_back(camera);
   geometry::RigidTransform T_bal_world;
-  T_bal_world.rotation =
-      adjustment::exp_rotation({bal.rotation[0], bal.rotation[1], bal.rotation[2]});
+  T_bal_world.rotation = adjustment::exp_rotation({bal.rotation[0], bal.rotation[1], bal.rotation[2]});
   T_bal_world.translation = {bal.translation[0], bal.translation[1], bal.translation[2]};
   const geometry::Mat3 flip = geometry::Vec3(1, -1, -1).asDiagonal();
   const geometry::RigidTransform T_bal_camera{flip, geometry::Vec3::Zero()};
@@ -55,8 +54,8 @@ inline adjustment::BundleSystem read_bal(const std::string& path) {
                    [](const auto& a, const auto& b) { return a.point < b.point; });
   for (std::size_t i = 0; i < cameras; ++i) {
     BalCamera c{};
-    in >> c.rotation[0] >> c.rotation[1] >> c.rotation[2] >> c.translation[0] >> c.translation[1] >>
-        c.translation[2] >> c.f >> c.k1 >> c.k2;
+    in >> c.rotation[0] >> c.rotation[1] >> c.rotation[2] >> c.translation[0] >> c.translation[1] >> c.translation[2] >>
+        c.f >> c.k1 >> c.k2;
     add_bal_camera(system, c);
   }
   for (std::size_t i = 0; i < points; ++i) {

@@ -22,7 +22,7 @@ constexpr std::size_t kDenseFrames = 100;  // up to here the dense reduced syste
 
 // What every observation of a pose shares, worked out once an evaluation.
 struct PoseState {
-  geometry::RigidTransform start;     // increments are taken about it
+  geometry::RigidTransform start;  // increments are taken about it
   Mat3 R_camera_world, right_jacobian;
   Vec3 centre;
 };
@@ -32,7 +32,7 @@ struct Blocks : ceres::EvaluationCallback {
   camera::IntrinsicsSet set = camera::IntrinsicsSet::none;
   std::vector<std::vector<double>> pose_values;  // increment; with its camera's intrinsics where nobody shares them
   std::vector<std::vector<double>> camera_values;
-  std::vector<bool> merged;                      // per camera: its values stand in its one pose's block
+  std::vector<bool> merged;  // per camera: its values stand in its one pose's block
   std::vector<std::int32_t> camera_of;
   std::vector<PoseState> poses;
   std::vector<survey::Camera> cameras;
@@ -68,7 +68,11 @@ class Reprojection final : public ceres::CostFunction {
  public:
   Reprojection(const BundleObservation& observation, const PoseState& pose, const survey::Camera& camera,
                camera::IntrinsicsSet set, int intrinsics, bool merged)
-      : observation_(&observation), pose_(&pose), camera_(&camera), set_(set), intrinsics_(intrinsics),
+      : observation_(&observation),
+        pose_(&pose),
+        camera_(&camera),
+        set_(set),
+        intrinsics_(intrinsics),
         merged_(merged) {
     set_num_residuals(2);
     auto* sizes = mutable_parameter_block_sizes();
@@ -83,8 +87,7 @@ class Reprojection final : public ceres::CostFunction {
     Vec2 pixel;
     camera::PointJacobian by_camera;
     camera::IntrinsicsJacobian by_intrinsics;
-    const bool wants_intrinsics =
-        jacobians != nullptr && intrinsics_ > 0 && jacobians[merged_ ? 1 : 2] != nullptr;
+    const bool wants_intrinsics = jacobians != nullptr && intrinsics_ > 0 && jacobians[merged_ ? 1 : 2] != nullptr;
     if (!camera::project_with_jacobian(*camera_, p_camera, set_, pixel, by_camera,
                                        wants_intrinsics ? &by_intrinsics : nullptr)) {
       behind(residuals, jacobians);
@@ -256,8 +259,8 @@ BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::
   FLAGS_minloglevel = google::GLOG_FATAL;  // a library does not print
   Blocks blocks = make_blocks(system);
   const auto tie_loss = loss_of(system.loss, system.loss_scale);
-  const auto prior_loss = loss_of(system.prior_loss_scale > 0.0 ? BundleLoss::huber : BundleLoss::none,
-                                  system.prior_loss_scale);
+  const auto prior_loss =
+      loss_of(system.prior_loss_scale > 0.0 ? BundleLoss::huber : BundleLoss::none, system.prior_loss_scale);
   std::deque<Reprojection> reprojections;
   std::deque<PosePrior> pose_priors;
   std::deque<PointPrior> point_priors;
@@ -294,8 +297,7 @@ BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::
     if (intrinsics[c] > 0 && !blocks.merged[c])
       problem.AddResidualBlock(&cost, tie_loss.get(), point, blocks.pose_values[f].data(),
                                blocks.camera_values[c].data());
-    else
-      problem.AddResidualBlock(&cost, tie_loss.get(), point, blocks.pose_values[f].data());
+    else problem.AddResidualBlock(&cost, tie_loss.get(), point, blocks.pose_values[f].data());
   }
   for (std::size_t f = 0; f < system.priors.size(); ++f) {
     if (!system.priors[f].any()) continue;
