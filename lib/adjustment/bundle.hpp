@@ -27,8 +27,10 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 // What is to be adjusted: records of a survey, by value or cut from one.
 struct BundleProblem {
   std::vector<survey::Camera> cameras;
-  // Ascending id. The poses are the start and, where sigmas are given, the priors.
+  // Ascending id. The poses are the priors where sigmas are given, and the start.
   std::vector<survey::Frame> frames;
+  // Per frame, another start (T_world_camera) than its own pose; empty = their own.
+  std::vector<geometry::RigidTransform> start;
   // Ascending id. p_world is used as BundleOptions::triangulate says; it may be anything, not a number too.
   std::vector<survey::TiePoint> ties;
   std::vector<survey::ControlPoint> control;
@@ -40,9 +42,9 @@ struct BundleFrame {
   std::string reason;            // "" = adjusted; "too_few_observations", "not_connected", "no_datum" = kept its pose
   std::size_t observations = 0;  // used
   std::size_t outliers = 0;      // removed
-  // Of the observations used: before = the start poses and the points triangulated from them.
+  // Of the observations used: before = the frames' poses and the points triangulated from them.
   double rms_before_px = 0.0, rms_after_px = 0.0;
-  double moved_m = 0.0, turned_deg = 0.0;  // from the start pose (after alignment where the gauge was free)
+  double moved_m = 0.0, turned_deg = 0.0;  // from the frame's pose (after alignment where the gauge was free)
   double prior_sigmas = 0.0;               // distance from its prior [sigmas, of its given components]; 0 without one
   bool prior_doubted = false;              // beyond the prior's loss scale: the prior was held loosely
   // Of (rotation in camera axes [rad], position in the world [m]); zero where it was not computed.
@@ -65,7 +67,7 @@ struct BundleControl {
   bool check_only = false;
   std::string reason;  // "" = used; "not_seen" (no usable observation), "seen_once" (a check point needs two)
   std::size_t observations = 0;
-  geometry::Vec3 before = geometry::Vec3::Zero();  // triangulated - surveyed, start poses, m
+  geometry::Vec3 before = geometry::Vec3::Zero();  // triangulated - surveyed, frames' poses, m
   geometry::Vec3 after = geometry::Vec3::Zero();   // the same, adjusted poses (a control point: adjusted - surveyed)
   double rms_px = 0.0;                             // after
 };

@@ -83,6 +83,11 @@ BundleWork::BundleWork(const BundleProblem& p, const BundleOptions& o, std::vect
     poses.push_back(frame.T_world_camera);
     priors.push_back(prior_of(frame, options));
   }
+  if (!problem.start.empty()) {
+    if (problem.start.size() != poses.size())
+      throw Error(ErrorCode::internal, "start poses are not one a frame").found(std::to_string(problem.start.size()));
+    poses = problem.start;
+  }
   held.assign(poses.size(), 0);
   never_used = held;
   reason.resize(poses.size());
@@ -128,6 +133,7 @@ double BundleWork::median_error() const {
 
 void BundleWork::remember_start() {
   start_points.assign(tracks.size(), std::nullopt);
+  if (!problem.start.empty()) return;  // the points belong to other poses than the frames'
   for (std::size_t i = 0; i < tracks.size(); ++i)
     if (tracks[i].placed) start_points[i] = tracks[i].p_world;
 }
