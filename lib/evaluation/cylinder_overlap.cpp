@@ -59,7 +59,7 @@ double iou(const geometry::VerticalCylinder& a, const geometry::VerticalCylinder
 
 std::vector<SurfacePatch> exposed_surface(const geometry::TriangleMesh& mesh, const survey::TruthObject& object,
                                           double step_m) {
-  constexpr double kMostParts = 64.0;  // of an edge
+  constexpr double kMostParts = 256.0;  // of an edge: bounds what one vast triangle costs
   std::vector<SurfacePatch> patches;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& corners = mesh.triangles[t];
