@@ -1,0 +1,209 @@
+#include "simulation/object_boxes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+#include "base/random.hpp"
+#include "camera/projection.hpp"
+
+namespace cairn::simulation {
+namespace {
+
+using geometry::PixelBox;
+using geometry::RigidTransform;
+using geometry::TriangleMesh;
+using geometry::Vec2;
+using geometry::Vec3;
+
+constexpr std::size_t kDirections = 642;
+constexpr std::size_t kSamples = 128;
+constexpr double kNear = 0.05;  // m: nothing nearer is imaged
+
+// Spread evenly over the sphere (golden spiral).
+Vec3 direction(std::size_t i, std::size_t count) {
+  const double z = 1.0 - (2.0 * static_cast<double>(i) + 1.0) / static_cast<double>(count);
+  const double angle = static_cast<double>(i) * std::numbers::pi * (3.0 - std::sqrt(5.0));
+  const double r = std::sqrt(std::max(0.0, 1.0 - z * z));
+  return {r * std::cos(angle), r * std::sin(angle), z};
+}
+
+std::vector<Vec3> extreme_vertices(const std::vector<Vec3>& vertices) {
+  if (vertices.size() <= kDirections) return vertices;
+  std::vector<std::uint8_t> kept(vertices.size(), 0);
+  for (std::size_t i = 0; i < kDirections; ++i) {
+    const Vec3 d = direction(i, kDirections);
+    std::size_t best = 0;
+    double reach = -std::numeric_limits<double>::infinity();
+    for (std::size_t v = 0; v < vertices.size(); ++v)
+      if (const double along = d.dot(vertices[v]); along > reach) {
+        reach = along;
+        best = v;
+      }
+    kept[best] = 1;
+  }
+  std::vector<Vec3> result;
+  for (std::size_t v = 0; v < vertices.size(); ++v)
+    if (kept[v] != 0) result.push_back(vertices[v]);
+  return result;
+}
+
+struct Bounds {
+  PixelBox box{std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity(),
+               -std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  void extend(const Vec2& p) {
+    box.xmin = std::min(box.xmin, p.x());
+    box.ymin = std::min(box.ymin, p.y());
+    box.xmax = std::max(box.xmax, p.x());
+    box.ymax = std::max(box.ymax, p.y());
+  }
+  [[nodiscard]] bool empty() const { return !(box.xmax > box.xmin && box.ymax > box.ymin); }
+};
+
+// Keeps the part of a polygon where signed_distance >= 0.
+template <typename Point, typename Distance>
+std::vector<Point> half(const std::vector<Point>& polygon, Distance&& signed_distance) {
+  std::vector<Point> result;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Point &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const double da = signed_distance(a), db = signed_distance(b);
+    if (da >= 0.0) result.push_back(a);
+    if ((da > 0.0 && db < 0.0) || (da < 0.0 && db > 0.0)) result.push_back(a + da / (da - db) * (b - a));
+  }
+  return result;
+}
+
+}  // namespace
+
+ObjectOutline::ObjectOutline(const TriangleMesh& exposed)
+    : mesh_(exposed), extreme_(extreme_vertices(exposed.vertices)) {
+  centre_ = exposed.bounds().centre();
+  for (const Vec3& v : extreme_) radius_ = std::max(radius_, (v - centre_).norm());
+  // Stratified along the running sum of areas.
+  std::vector<double> sum(mesh_.triangles.size() + 1, 0.0);
+  for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) sum[t + 1] = sum[t] + mesh_.area_vector(t).norm();
+  base::Random random(0, "simulation samples", mesh_.triangles.size());
+  for (std::size_t i = 0; i < kSamples && sum.back() > 0.0; ++i) {
+    const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(kSamples) * sum.back();
+    const auto t = static_cast<std::size_t>(std::upper_bound(sum.begin() + 1, sum.end() - 1, at) - sum.begin()) - 1;
+    double a = random.uniform(), b = random.uniform();
+    if (a + b > 1.0) {
+      a = 1.0 - a;
+      b = 1.0 - b;
+    }
+    const auto& [i0, i1, i2] = mesh_.triangles[t];
+    const Vec3 &p = mesh_.vertices[i0], &q = mesh_.vertices[i1], &r = mesh_.vertices[i2];
+    samples_.push_back({p + a * (q - p) + b * (r - p), mesh_.area_vector(t).normalized()});
+  }
+}
+
+std::optional<Outline> ObjectOutline::seen(const survey::Camera& camera, const RigidTransform& T_world_camera) const {
+  const Vec3 centre = T_world_camera.rotation.transpose() * (centre_ - T_world_camera.translation);
+  if (centre.z() < -radius_) return std::nullopt;
+  if (centre.z() < radius_ + kNear) return clipped(camera, T_world_camera);
+  const auto w = static_cast<double>(camera.width_px), h = static_cast<double>(camera.height_px);
+  Bounds bounds;
+  for (const Vec3& v : extreme_) {
+    const auto pixel = camera::project(camera, T_world_camera.rotation.transpose() * (v - T_world_camera.translation));
+    if (!pixel) return clipped(camera, T_world_camera);
+    bounds.extend(*pixel);
+  }
+  const PixelBox& box = bounds.box;
+  if (bounds.empty() || box.xmax <= 0.0 || box.ymax <= 0.0 || box.xmin >= w || box.ymin >= h) return std::nullopt;
+  if (box.xmin >= 0.0 && box.ymin >= 0.0 && box.xmax <= w && box.ymax <= h) return Outline{box, true, 1.0};
+  auto result = clipped(camera, T_world_camera);
+  if (result) result->inside_share = std::min(1.0, result->box.area() / box.area());
+  return result;
+}
+
+std::optional<Outline> ObjectOutline::clipped(const survey::Camera& camera,
+                                              const RigidTransform& T_world_camera) const {
+  const auto w = static_cast<double>(camera.width_px), h = static_cast<double>(camera.height_px);
+  Bounds inside, all;
+  bool cut = false;
+  for (const auto& t : mesh_.triangles) {
+    std::vector<Vec3> corners;
+    for (const auto v : t)
+      corners.emplace_back(T_world_camera.rotation.transpose() * (mesh_.vertices[v] - T_world_camera.translation));
+    corners = half(corners, [](const Vec3& p) { return p.z() - kNear; });
+    std::vector<Vec2> outline;
+    for (const Vec3& p : corners) {
+      const auto pixel = camera::project(camera, p);
+      if (!pixel) {
+        outline.clear();
+        cut = true;
+        break;
+      }
+      outline.push_back(*pixel);
+    }
+    for (const Vec2& p : outline) all.extend(p);
+    outline = half(outline, [](const Vec2& p) { return p.x(); });
+    outline = half(outline, [](const Vec2& p) { return p.y(); });
+    outline = half(outline, [w](const Vec2& p) { return w - p.x(); });
+    outline = half(outline, [h](const Vec2& p) { return h - p.y(); });
+    for (const Vec2& p : outline) inside.extend(p);
+  }
+  if (inside.empty()) return std::nullopt;
+  const bool whole = !cut && all.box == inside.box;
+  return Outline{inside.box, whole, std::min(1.0, inside.box.area() / all.box.area())};
+}
+
+Obstruction::Joined Obstruction::join(const TriangleMesh& terrain, const std::vector<PlacedObject>& objects) {
+  Joined joined;
+  const auto append = [&](const TriangleMesh& mesh) {
+    const auto offset = static_cast<std::uint32_t>(joined.mesh.vertices.size());
+    joined.mesh.vertices.insert(joined.mesh.vertices.end(), mesh.vertices.begin(), mesh.vertices.end());
+    for (const auto& t : mesh.triangles) joined.mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  };
+  append(terrain);
+  for (const PlacedObject& object : objects) {
+    joined.body_begin.push_back(static_cast<std::uint32_t>(joined.mesh.triangles.size()));
+    append(object.shape.body);
+    joined.body_end.push_back(static_cast<std::uint32_t>(joined.mesh.triangles.size()));
+    append(object.shape.pedestal);
+  }
+  return joined;
+}
+
+Obstruction::Obstruction(const TriangleMesh& terrain, const std::vector<PlacedObject>& objects)
+    : Obstruction(join(terrain, objects)) {}
+
+Obstruction::Obstruction(Joined joined)
+    : body_begin_(std::move(joined.body_begin)), body_end_(std::move(joined.body_end)), scene_(joined.mesh) {}
+
+double Obstruction::visible_share(std::size_t object, const ObjectOutline& outline, const survey::Camera& camera,
+                                  const RigidTransform& T_world_camera) const {
+  std::vector<geometry::Ray> rays;
+  std::vector<double> weight, distance;
+  const Vec3& from = T_world_camera.translation;
+  for (const auto& sample : outline.samples()) {
+    const Vec3 way = sample.point - from;
+    const double length = way.norm();
+    const double facing = -sample.normal.dot(way) / length;
+    if (!(facing > 0.0)) continue;
+    const auto pixel = camera::project_world(camera, T_world_camera, sample.point);
+    if (!pixel || !camera::inside_image(camera, *pixel)) continue;
+    rays.push_back({from, way / length});
+    weight.push_back(facing / (length * length));
+    distance.push_back(length);
+  }
+  const auto hits = scene_.cast(rays);
+  double seen = 0.0, all = 0.0;
+  for (std::size_t i = 0; i < rays.size(); ++i) {
+    all += weight[i];
+    const bool own = hits[i].triangle >= body_begin_[object] && hits[i].triangle < body_end_[object];
+    // A body sunk into the ground: the surfaces meet at the sample itself.
+    constexpr double kTouch = 0.01;  // m
+    if (!hits[i].hit() || own || hits[i].distance > distance[i] - kTouch) seen += weight[i];
+  }
+  return all > 0.0 ? seen / all : 1.0;
+}
+
+bool Obstruction::free(const Vec3& from, const Vec3& to) const {
+  const visibility::Segment segment{from, to};
+  return scene_.blocked(std::span(&segment, 1), 0.01)[0] == 0;
+}
+
+}  // namespace cairn::simulation
