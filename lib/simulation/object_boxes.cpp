@@ -19,7 +19,7 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 constexpr std::size_t kDirections = 642;
-constexpr std::size_t kSamples = 128;
+constexpr std::size_t kSamples = 96;
 constexpr double kNear = 0.05;  // m: nothing nearer is imaged
 
 // Spread evenly over the sphere (golden spiral).
@@ -121,24 +121,41 @@ std::optional<Outline> ObjectOutline::seen(const survey::Camera& camera, const R
 std::optional<Outline> ObjectOutline::clipped(const survey::Camera& camera,
                                               const RigidTransform& T_world_camera) const {
   const auto w = static_cast<double>(camera.width_px), h = static_cast<double>(camera.height_px);
+  const auto in_camera = [&](std::uint32_t v) {
+    return Vec3(T_world_camera.rotation.transpose() * (mesh_.vertices[v] - T_world_camera.translation));
+  };
   Bounds inside, all;
   bool cut = false;
-  for (const auto& t : mesh_.triangles) {
-    std::vector<Vec3> corners;
-    for (const auto v : t)
-      corners.emplace_back(T_world_camera.rotation.transpose() * (mesh_.vertices[v] - T_world_camera.translation));
-    corners = half(corners, [](const Vec3& p) { return p.z() - kNear; });
-    std::vector<Vec2> outline;
-    for (const Vec3& p : corners) {
-      const auto pixel = camera::project(camera, p);
-      if (!pixel) {
-        outline.clear();
-        cut = true;
-        break;
-      }
-      outline.push_back(*pixel);
+  // Sides of the image that a vertex lies beyond; kBehind = it has no pixel.
+  constexpr std::uint8_t kBehind = 16;
+  std::vector<Vec2> pixels(mesh_.vertices.size());
+  std::vector<std::uint8_t> beyond(mesh_.vertices.size());
+  for (std::uint32_t v = 0; v < mesh_.vertices.size(); ++v) {
+    const Vec3 p = in_camera(v);
+    const auto pixel = p.z() < kNear ? std::nullopt : camera::project(camera, p);
+    if (!pixel) {
+      beyond[v] = kBehind;
+      cut = true;
+      continue;
     }
-    for (const Vec2& p : outline) all.extend(p);
+    pixels[v] = *pixel;
+    all.extend(*pixel);
+    beyond[v] = static_cast<std::uint8_t>((pixel->x() < 0.0 ? 1 : 0) | (pixel->x() > w ? 2 : 0) |
+                                          (pixel->y() < 0.0 ? 4 : 0) | (pixel->y() > h ? 8 : 0));
+    if (beyond[v] == 0) inside.extend(*pixel);
+  }
+  for (const auto& [a, b, c] : mesh_.triangles) {
+    const int any = beyond[a] | beyond[b] | beyond[c];
+    if (any == 0 || (beyond[a] & beyond[b] & beyond[c]) != 0) continue;
+    std::vector<Vec2> outline{pixels[a], pixels[b], pixels[c]};
+    if ((any & kBehind) != 0) {
+      outline.clear();
+      std::vector<Vec3> corners{in_camera(a), in_camera(b), in_camera(c)};
+      corners = half(corners, [](const Vec3& p) { return p.z() - kNear; });
+      for (const Vec3& p : corners)
+        if (const auto pixel = camera::project(camera, p)) outline.push_back(*pixel);
+      for (const Vec2& p : outline) all.extend(p);
+    }
     outline = half(outline, [](const Vec2& p) { return p.x(); });
     outline = half(outline, [](const Vec2& p) { return p.y(); });
     outline = half(outline, [w](const Vec2& p) { return w - p.x(); });
