@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -40,7 +41,7 @@ struct Noise {
 struct Work {
   std::size_t target = 0;  // index
   std::vector<SeenBox> boxes;
-  BodyParameters start{};
+  Body start;
   BodySolution solution;
   std::string reason;
 };
@@ -168,18 +169,28 @@ Work prepare(const Target& target, std::size_t index, const survey::Survey& surv
     return work;
   }
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2), reach.end());
-  work.start.fill(0.0);
-  work.start[kLogRadius] = work.start[kLogHalfHeight] = std::log(reach[reach.size() / 2]);
+  work.start.ellipsoid[kLogRadius] = work.start.ellipsoid[kLogHalfHeight] = std::log(reach[reach.size() / 2]);
   return work;
 }
 
+// sigma_l of the harmonics of degree 3 to 6 on rocks, and the means of the zonal ones.
+constexpr std::array<double, 4> kHarmonicSigma{0.02, 0.015, 0.01, 0.008};
+constexpr std::array<double, 4> kZonalMean{0.0, 0.0, 0.0, 0.0};
+
 BodyPrior prior_of(const Work& work) {
   BodyPrior prior;
-  const double radius = std::exp(work.start[kLogRadius]);
+  const double radius = std::exp(work.start.ellipsoid[kLogRadius]);
   prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = 0.4;
   prior.sigma[kLogHalfHeight] = 0.5;
   prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = 0.3 * radius;
-  prior.sigma[kLogRoundness] = -1.0;
+  for (int l = kLeastDegree; l <= kMostDegree; ++l) {
+    const auto degree = static_cast<std::size_t>(l - kLeastDegree);
+    for (int m = -l; m <= l; ++m) {
+      const auto i = static_cast<Eigen::Index>(kEllipsoidParameters + harmonic_index(l, m));
+      prior.sigma[i] = kHarmonicSigma[degree];
+      prior.mean[i] = m == 0 ? kZonalMean[degree] : 0.0;
+    }
+  }
   return prior;
 }
 
@@ -232,6 +243,92 @@ Noise observed_noise(const std::vector<Work>& works, const Noise& assumed) {
   return noise;
 }
 
+// Smallest circle around a level section given by its support in kDirections equal directions: least R with
+// u_i.c + R >= h_i, by the dual simplex method. Exact but for the directions between (1 - cos of half their angle).
+constexpr int kDirections = 72;
+
+struct Circle {
+  Vec2 centre;
+  double radius;
+};
+
+Circle enclosing_circle(const std::array<double, kDirections>& h) {
+  const auto row = [](int i) {
+    const double angle = 2.0 * std::numbers::pi * i / kDirections;
+    return Vec3(std::cos(angle), std::sin(angle), 1.0);
+  };
+  std::array<int, 3> basis{0, kDirections / 3, 2 * kDirections / 3};
+  Vec3 solution = Vec3::Zero();
+  constexpr int kMostExchanges = 500;
+  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
+    Mat3 a;
+    Vec3 b;
+    for (int k = 0; k < 3; ++k) {
+      a.row(k) = row(basis[static_cast<std::size_t>(k)]).transpose();
+      b[k] = h[static_cast<std::size_t>(basis[static_cast<std::size_t>(k)])];
+    }
+    const Mat3 inverse = a.inverse();
+    solution = inverse * b;
+    int worst = -1;
+    double violation = 1e-12 * (1.0 + std::abs(solution.z()));
+    for (int i = 0; i < kDirections; ++i)
+      if (const double v = h[static_cast<std::size_t>(i)] - row(i).dot(solution); v > violation) {
+        violation = v;
+        worst = i;
+      }
+    if (worst < 0) break;
+    // Multipliers of the basis, and how they change as the new one grows: the first to reach 0 leaves.
+    const Vec3 multiplier = inverse.transpose() * Vec3::UnitZ(), change = inverse.transpose() * row(worst);
+    int leaves = -1;
+    double least = 0.0;
+    for (int k = 0; k < 3; ++k)
+      if (change[k] > 1e-12 && (leaves < 0 || multiplier[k] / change[k] < least)) {
+        least = multiplier[k] / change[k];
+        leaves = k;
+      }
+    if (leaves < 0) break;
+    basis[static_cast<std::size_t>(leaves)] = worst;
+  }
+  return {solution.head<2>(), solution.z()};
+}
+
+// The smallest upright cylinder around a body, relative to its origin.
+geometry::VerticalCylinder cylinder_of(const Body& body) {
+  std::array<double, kDirections> h;
+  for (int i = 0; i < kDirections; ++i) {
+    const double angle = 2.0 * std::numbers::pi * i / kDirections;
+    h[static_cast<std::size_t>(i)] = body.support(Vec3(std::cos(angle), std::sin(angle), 0.0));
+  }
+  const Circle circle = enclosing_circle(h);
+  geometry::VerticalCylinder cylinder;
+  cylinder.axis = circle.centre + Vec2(body.ellipsoid[kCentreEast], body.ellipsoid[kCentreNorth]);
+  cylinder.radius = circle.radius;
+  cylinder.bottom = body.ellipsoid[kCentreUp] - body.support(Vec3(0.0, 0.0, -1.0));
+  cylinder.top = body.ellipsoid[kCentreUp] + body.support(Vec3(0.0, 0.0, 1.0));
+  return cylinder;
+}
+
+Body moved(const Body& body, const BodyVector& by) {
+  Body result = body;
+  for (std::size_t i = 0; i < kEllipsoidParameters; ++i) result.ellipsoid[i] += by[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < kHarmonics; ++i)
+    result.harmonic[i] += by[static_cast<Eigen::Index>(kEllipsoidParameters + i)];
+  return result;
+}
+
+// Covariance of the cylinder's centre from that of the parameters: differences over one sigma along each column of its
+// root, because the smallest circle is only piecewise smooth.
+Mat3 centre_covariance(const Body& body, const BodyMatrix& covariance) {
+  const BodyMatrix root = covariance.llt().matrixL();
+  Mat3 result = Mat3::Zero();
+  for (Eigen::Index i = 0; i < root.cols(); ++i) {
+    const Vec3 d =
+        0.5 * (cylinder_of(moved(body, root.col(i))).centre() - cylinder_of(moved(body, -root.col(i))).centre());
+    result += d * d.transpose();
+  }
+  return result;
+}
+
 void finish(const Work& work, const Noise&, const BodyFitOptions&, Target& target) {
   const auto& s = work.solution;
   const std::string& reason = work.reason.empty() ? s.failure : work.reason;
@@ -239,20 +336,15 @@ void finish(const Work& work, const Noise&, const BodyFitOptions&, Target& targe
     target.reasons.push_back(reason);
     return;
   }
-  const Mat2 a = half_axis_matrix(s.x.data());
-  const Vec2 lean(s.x[kLeanEast], s.x[kLeanNorth]);
-  const double half_height = std::exp(s.x[kLogHalfHeight]);
+  const Mat2 a = half_axis_matrix(s.body.ellipsoid.data());
+  const double half_height = std::exp(s.body.ellipsoid[kLogHalfHeight]);
   survey::RefinedBody r;
-  const Vec3 centre = target.centre + Vec3(s.x[0], s.x[1], s.x[2]);
-  const Eigen::SelfAdjointEigenSolver<Mat2> plan(a * a + lean * lean.transpose());
-  const double radius = std::sqrt(plan.eigenvalues()[1]);
-  r.cylinder.axis = centre.head<2>();
-  r.cylinder.radius = radius;
-  r.cylinder.bottom = centre.z() - half_height;
-  r.cylinder.top = centre.z() + half_height;
+  r.cylinder = cylinder_of(s.body);
+  r.cylinder.axis += target.centre.head<2>();
+  r.cylinder.bottom += target.centre.z();
+  r.cylinder.top += target.centre.z();
   r.centre = r.cylinder.centre();
-  const BodyMatrix covariance = s.normal.llt().solve(BodyMatrix::Identity());
-  r.covariance = covariance.topLeftCorner<3, 3>();
+  r.covariance = centre_covariance(s.body, s.normal.llt().solve(BodyMatrix::Identity()));
   const Eigen::SelfAdjointEigenSolver<Mat2> section(a);
   const Vec2 axis = section.eigenvectors().col(1);
   r.semi_axes_m = Vec3(section.eigenvalues()[1], section.eigenvalues()[0], half_height);
