@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <set>
+#include <string>
 #include <unordered_map>
 
 namespace cairn::evaluation {
@@ -110,8 +111,12 @@ StageScores score_stages(const std::vector<survey::Target>& targets, const std::
   std::unordered_map<DetectionId, ObjectId> origin_of;
   for (const auto& origin : truth.detections) origin_of[origin.detection] = origin.object;
   std::set<ObjectId> sought;
+  std::set<std::string> classes;
   for (const auto& object : truth.objects)
-    if (object.sought) sought.insert(object.id);
+    if (object.sought) {
+      sought.insert(object.id);
+      classes.insert(object.object_class);
+    }
 
   StageScores scores;
   const std::int64_t automatic = is_video(truth.frames) ? kVideoFrames : kPhotoFrames;
@@ -138,6 +143,10 @@ StageScores score_stages(const std::vector<survey::Target>& targets, const std::
     std::vector<ObjectId> all;
     for (const auto& box : boxes) all.push_back(box.second);
     scores.object_of.push_back(majority(all).object);
+    if (!target.object_class.empty() && !classes.contains(target.object_class)) {
+      ++scores.other_classes;
+      continue;
+    }
     if (target.history.empty()) ++scores.without_history;
     const Entries entries = entries_of(target, last);
     for (std::size_t s = 0; s < kStages.size(); ++s) {

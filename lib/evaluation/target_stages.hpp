@@ -59,13 +59,15 @@ struct StageScores {
   std::array<StageScore, 4> stages;         // generated, converging, converged, mapped
   std::size_t seen_whole = 0;               // the number of frames that was applied
   std::vector<survey::ObjectId> sought;     // sought objects seen whole in enough frames, ascending
+  std::size_t other_classes = 0;            // targets left out for their class
   std::size_t without_history = 0;          // targets whose stages were derived from their final state
   std::vector<survey::ObjectId> object_of;  // per target, of all its boxes (strict majority); invalid = none
 };
 
-// Frames are ordered by time, then id (by id alone where truth has no times). A target enters a stage once, at its
-// first history entry of that name. A target without history is taken to have entered `generated` and every stage up
-// to its final state with all its boxes (`deregistered`: generated only). "Most" = more than half.
+// Scored are targets of the classes that sought objects have, and those without a class: a boulder that is called one
+// is no false PBR. Frames are ordered by time, then id (by id alone where truth has no times). A target enters a stage
+// once, at its first history entry of that name. A target without history is taken to have entered `generated` and
+// every stage up to its final state with all its boxes (`deregistered`: generated only). "Most" = more than half.
 // `detections` gives the frame of each box. Boxes whose origin is not in `truth` count as false ones.
 // Recall counts objects that entered although they were seen whole in fewer frames as found.
 // Cost n log n in boxes and entries.

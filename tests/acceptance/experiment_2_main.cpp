@@ -1,5 +1,5 @@
 // acceptance_experiment_2 [--scene FILE] [--results FILE] [--first SEED] [--seeds N] [--grades scene,rtk,gps]
-//                         [--boxes tracks|detections] [--paper true|false] [--tables-only]
+//                         [--boxes tracks|detections] [--modes robust,paper,paper_coasted] [--tables-only]
 // Paper A's Experiment II, many seeds. One JSON line a seed and grade is appended to the results; lines that are there
 // already are not computed again. Prints the pooled tables as Markdown.
 #include <cstdio>
@@ -55,7 +55,7 @@ Settings parse(int argc, const char* const* argv) {
     else if (name == "--seeds") s.seeds = cairn::base::parse_integer(value).value_or(100);
     else if (name == "--grades") s.grades = split(value);
     else if (name == "--boxes") s.run.tracks = value == "tracks";
-    else if (name == "--paper") s.run.paper = value == "true";
+    else if (name == "--modes") s.run.modes = split(value);
     else throw Error(ErrorCode::invalid_argument, "unknown option").found(name);
   }
   return s;

@@ -73,13 +73,23 @@ Json errors_json(const evaluation::EstimatorScore& score) {
   return list;
 }
 
-// Targets that are still there at the end, called converged or not, and what became of the others.
-Json reasons_json(const std::vector<survey::Target>& targets) {
+// How many targets ended in each state.
+Json states_json(const std::vector<survey::Target>& targets) {
   std::map<std::string, std::size_t> counts;
   for (const auto& target : targets) ++counts[std::string(survey::name_of(target.state))];
   Json out = Json::object();
   for (const auto& [state, count] : counts) out.set(state, count);
   return out;
+}
+
+std::vector<survey::TrackedBox> track(const survey::Survey& survey, std::int64_t emit_age, base::RunContext& ctx) {
+  const testing::TempFolder folder;
+  io::write_survey(survey, folder.path());
+  pipeline::TrackStageOptions options;
+  options.sort.preset = "paper";
+  options.sort.emit_age = emit_age;
+  static_cast<void>(pipeline::track_survey(folder.path(), folder / "tracks.csv", options, ctx));
+  return io::read_tracks(folder / "tracks.csv", survey);
 }
 
 }  // namespace
@@ -105,15 +115,6 @@ Json run_seed(const simulation::Scene& scene, std::uint64_t seed, const RunOptio
   ctx.seed = seed;
   const auto recording = simulation::simulate(with_pose_grade(scene, options.grade), seed, ctx);
   const auto& survey = recording.survey;
-  std::vector<survey::TrackedBox> tracks;
-  if (options.tracks) {
-    const testing::TempFolder folder;
-    io::write_survey(survey, folder.path());
-    pipeline::TrackStageOptions track;
-    track.sort.preset = "paper";
-    static_cast<void>(pipeline::track_survey(folder.path(), folder / "tracks.csv", track, ctx));
-    tracks = io::read_tracks(folder / "tracks.csv", survey);
-  }
   std::map<survey::ObjectId, std::vector<evaluation::SurfacePatch>> surfaces;
   for (std::size_t i = 0; i < recording.truth.objects.size(); ++i) {
     const auto& object = recording.truth.objects[i];
@@ -121,25 +122,33 @@ Json run_seed(const simulation::Scene& scene, std::uint64_t seed, const RunOptio
   }
 
   Json modes = Json::object();
-  for (const std::string mode : {"paper", "robust"}) {
-    if (mode == "paper" && !options.paper) continue;
+  for (const auto& name : options.modes) {
+    const std::string mode = name == "robust" ? "robust" : "paper";
     localisation::LocateOptions locate;
     locate.mode = mode;
     locate.min_depth_m = mode == "paper" ? 0.1 : options.min_depth_m;
     locate.max_depth_m = mode == "paper" ? options.paper_depth_m : options.max_depth_m;
-    auto located = options.tracks ? localisation::locate(survey, localisation::Tracks(tracks), locate, ctx)
-                                  : localisation::locate(survey, locate, ctx);
+    localisation::LocateResult located;
+    if (options.tracks) {
+      // The public code's tracker hands its predictions on for 99 frames; the paper does not speak of that.
+      const auto tracks = track(survey, name == "paper_coasted" ? 99 : 0, ctx);
+      located = localisation::locate(survey, localisation::Tracks(tracks), locate, ctx);
+    } else {
+      located = localisation::locate(survey, locate, ctx);
+    }
     if (mode == "robust") localisation::refine_bodies(located.targets, survey, {}, ctx);
     const auto stages = evaluation::score_stages(located.targets, survey.detections, recording.truth, {});
-    Json result = Json::object({{"stages", stages_json(stages)}, {"targets", reasons_json(located.targets)}});
-    for (const auto& [name, bias] :
-         {std::pair{"errors", BiasRemoval::survey}, {"errors_target_bias", BiasRemoval::target}}) {
+    Json result = Json::object({{"stages", stages_json(stages)}, {"targets", states_json(located.targets)}});
+    for (const auto& [errors_name, bias] : {std::pair{"errors_raw", BiasRemoval::none},
+                                            {"errors", BiasRemoval::survey},
+                                            {"errors_target_bias", BiasRemoval::target}}) {
+      if (mode == "paper") break;
       const auto errors = evaluation::score_errors(located.targets, stages, survey.detections, survey.frames,
                                                    recording.truth, surfaces, bias);
-      result.set(name,
+      result.set(errors_name,
                  Json::object({{"filter", errors_json(errors.filter)}, {"refined", errors_json(errors.refined)}}));
     }
-    modes.set(mode, std::move(result));
+    modes.set(name, std::move(result));
   }
   return Json::object({{"grade", options.grade},
                        {"seed", static_cast<std::int64_t>(seed)},

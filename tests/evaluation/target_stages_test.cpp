@@ -111,6 +111,19 @@ TEST_F(Stages, DistractorsAreFalse) {
   EXPECT_EQ(s.stages[kGenerated].entries[0].object, ObjectId(9));
 }
 
+TEST_F(Stages, TargetsOfOtherClassesAreNotScored) {
+  for (auto& object : truth_.objects) object.object_class = object.sought ? "pbr" : "boulder";
+  target(1, {box(0, 9)}, {{TargetState::generated, FrameId(0)}});
+  targets_.back().object_class = "boulder";
+  target(2, {box(0, 9)}, {{TargetState::generated, FrameId(0)}});
+  targets_.back().object_class = "pbr";
+  const auto s = score();
+  EXPECT_EQ(s.other_classes, 1U);
+  EXPECT_EQ(s.stages[kGenerated].entries.size(), 1U);
+  EXPECT_EQ(s.stages[kGenerated].fp, 1U);
+  EXPECT_EQ(s.object_of.size(), 2U);
+}
+
 TEST_F(Stages, TimeOrdersFramesNotTheirIds) {
   // Frame 7 was taken first: at the entry in frame 7, the box of frame 3 is still to come.
   truth_.frames[7].time_ns = -1'000'000'000;
