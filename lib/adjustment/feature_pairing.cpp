@@ -32,27 +32,33 @@ struct Best {
 
 using Descriptors = Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-// Square roots of L1-normalised descriptors: unit vectors, one row a feature.
-Descriptors root_sift(const ImageFeatures& features) {
+Eigen::Map<const Descriptors> mapped(const std::vector<float>& units) {
   constexpr auto kWidth = static_cast<Eigen::Index>(kDescriptorBytes);
-  Descriptors result(static_cast<Eigen::Index>(features.size()), kWidth);
-  const std::uint8_t* from = features.descriptors.data();
-  for (Eigen::Index row = 0; row < result.rows(); ++row, from += kDescriptorBytes) {
-    float sum = 0.0F;
-    for (Eigen::Index i = 0; i < kWidth; ++i) sum += static_cast<float>(from[i]);
-    const float scale = sum > 0.0F ? 1.0F / sum : 0.0F;
-    for (Eigen::Index i = 0; i < kWidth; ++i) result(row, i) = std::sqrt(static_cast<float>(from[i]) * scale);
-  }
-  return result;
+  return {units.data(), static_cast<Eigen::Index>(units.size()) / kWidth, kWidth};
 }
 
 }  // namespace
 
-std::vector<FeaturePair> pair_features(const ImageFeatures& a, const ImageFeatures& b, double ratio) {
+std::vector<float> unit_descriptors(const ImageFeatures& features, std::size_t most) {
+  const std::size_t n = std::min(most, features.size());
+  std::vector<float> result(n * kDescriptorBytes);
+  for (std::size_t f = 0; f < n; ++f) {
+    const std::uint8_t* from = features.descriptors.data() + f * kDescriptorBytes;
+    float* to = result.data() + f * kDescriptorBytes;
+    float sum = 0.0F;
+    for (std::size_t i = 0; i < kDescriptorBytes; ++i) sum += static_cast<float>(from[i]);
+    const float scale = sum > 0.0F ? 1.0F / sum : 0.0F;
+    for (std::size_t i = 0; i < kDescriptorBytes; ++i) to[i] = std::sqrt(static_cast<float>(from[i]) * scale);
+  }
+  return result;
+}
+
+std::vector<FeaturePair> pair_features(const ImageFeatures& a, const ImageFeatures& b, double ratio, std::size_t most) {
   std::vector<FeaturePair> result;
-  if (a.size() < 2 || b.size() < 2) return result;
-  const Descriptors rows_a = root_sift(a), rows_b = root_sift(b);
-  std::vector<Best> of_a(a.size()), of_b(b.size());
+  if (std::min(a.size(), most) < 2 || std::min(b.size(), most) < 2) return result;
+  const auto units_a = unit_descriptors(a, most), units_b = unit_descriptors(b, most);
+  const auto rows_a = mapped(units_a), rows_b = mapped(units_b);
+  std::vector<Best> of_a(std::min(a.size(), most)), of_b(std::min(b.size(), most));
   Descriptors products;
   for (Eigen::Index first = 0; first < rows_a.rows(); first += kBlock) {
     // Eigen's product is several times faster than cv::gemm where OpenCV has no BLAS.

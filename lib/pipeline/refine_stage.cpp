@@ -8,6 +8,7 @@
 #include "camera/projection_jacobian.hpp"
 #include "io/csv.hpp"
 #include "io/survey_folder.hpp"
+#include "pipeline/match_images.hpp"
 
 namespace cairn::pipeline {
 namespace fs = std::filesystem;
@@ -169,7 +170,15 @@ survey::Survey refined(const survey::Survey& before, const BundleResult& result)
 
 Outcome refine_stage(const RefineInputs& in, const fs::path& out, const RefineStageOptions& options,
                      base::RunContext& ctx) {
-  const survey::Survey survey = io::read_survey(in.survey);
+  survey::Survey survey = io::read_survey(in.survey);
+  Json matching;
+  std::vector<base::Reject> rejects;
+  if (options.match) {
+    auto matched = match_images(std::move(survey), in.survey, options.matching, ctx);
+    survey = std::move(matched.survey);
+    matching = std::move(matched.summary);
+    rejects = std::move(matched.matching.rejects);
+  }
   if (survey.ties.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "the survey has no tie points")
         .file((in.survey / "tie_points.csv").string())
@@ -187,7 +196,10 @@ Outcome refine_stage(const RefineInputs& in, const fs::path& out, const RefineSt
   write_frames(out / "refine_frames.csv", result);
   std::error_code code;
   if (fs::exists(in.survey / "tracks.csv", code)) fs::copy_file(in.survey / "tracks.csv", out / "tracks.csv");
-  return {summary_of(survey, result), result.rejects};
+  Json summary = summary_of(survey, result);
+  if (options.match) summary.set("matching", std::move(matching));
+  rejects.insert(rejects.end(), result.rejects.begin(), result.rejects.end());
+  return {std::move(summary), std::move(rejects)};
 }
 
 }  // namespace cairn::pipeline

@@ -4,6 +4,7 @@
 #include <filesystem>
 
 #include "adjustment/bundle_options.hpp"
+#include "adjustment/tie_matches.hpp"
 #include "base/run_context.hpp"
 #include "pipeline/outcome.hpp"
 
@@ -15,9 +16,15 @@ struct RefineInputs {
 };
 
 struct RefineStageOptions {
+  bool match = false;  // tie points from the images, in place of the survey's
+  adjustment::TieMatchOptions matching;
   adjustment::BundleOptions bundle;
 
-  void visit(base::OptionVisitor& visitor) { bundle.visit(visitor); }
+  void visit(base::OptionVisitor& visitor) {
+    visitor.flag("match", match, "find tie points in the images, in place of the survey's");
+    matching.visit(visitor);
+    bundle.visit(visitor);
+  }
 };
 
 // Writes into `out` a complete survey folder (poses and their sigmas, intrinsics where asked for, detections, the tie

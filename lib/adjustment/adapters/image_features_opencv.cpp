@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <numeric>
 #include <opencv2/features2d.hpp>
 #include <opencv2/imgproc.hpp>
 
@@ -7,7 +8,7 @@
 namespace cairn::adjustment {
 
 ImageFeatures image_features(const geometry::GreyImage& image, std::int64_t max_width_px, std::int64_t max_features,
-                             bool distinct) {
+                             bool ranked) {
   ImageFeatures result;
   result.width_px = static_cast<double>(image.width_px);
   result.height_px = static_cast<double>(image.height_px);
@@ -23,9 +24,16 @@ ImageFeatures image_features(const geometry::GreyImage& image, std::int64_t max_
   std::vector<cv::KeyPoint> points;
   cv::Mat descriptors;
   sift->detectAndCompute(small, cv::noArray(), points, descriptors);
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  if (ranked) {
+    const auto same_place = [&](std::size_t x, std::size_t y) { return points[x].pt == points[y].pt; };
     // OpenCV lists the orientations of one place one after another.
-    if (distinct && i > 0 && points[i].pt == points[i - 1].pt) continue;
+    order.erase(std::unique(order.begin(), order.end(), same_place), order.end());
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t x, std::size_t y) { return points[x].response > points[y].response; });
+  }
+  for (const auto i : order) {
     // OpenCV counts from the first pixel's centre.
     result.pixels.emplace_back((static_cast<double>(points[i].pt.x) + 0.5) * fx,
                                (static_cast<double>(points[i].pt.y) + 0.5) * fy);
