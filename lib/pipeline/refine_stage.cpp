@@ -185,7 +185,7 @@ Outcome refine_stage(const RefineInputs& in, const fs::path& out, const RefineSt
         .hint("Find them in the images with --match, or import a model that has them");
   ctx.check_memory(survey.ties.size() * 4096, "the bundle adjustment");
   const BundleResult result =
-      adjustment::adjust_bundle({survey.manifest.cameras, survey.frames, survey.ties, {}}, options.bundle, ctx);
+      adjustment::adjust_bundle({survey.manifest.cameras, survey.frames, {}, survey.ties, {}}, options.bundle, ctx);
   if (!result.converged)
     ctx.warn(
         "the adjustment stopped at a limit, not at a minimum: look at the residuals, raise --max-rounds or "

@@ -4,15 +4,33 @@
 #include <cmath>
 
 #include "adjustment/bundle.hpp"
+#include "adjustment/bundle_datum.hpp"
 #include "base/angle.hpp"
 #include "base/random.hpp"
 #include "camera/projection.hpp"
+#include "geometry/alignment.hpp"
 
 namespace cairn::testing {
 
 inline geometry::Vec3 normal3(base::Random& random, double sigma) {
   const double x = random.normal(), y = random.normal(), z = random.normal();
   return {sigma * x, sigma * y, sigma * z};
+}
+
+inline geometry::Mat3 small_turn(const geometry::Vec3& w) {
+  return w.norm() > 0.0 ? geometry::axis_rotation(w.normalized(), w.norm())
+                        : geometry::Mat3(geometry::Mat3::Identity());
+}
+
+// Moves every pose by noise of these sigmas an axis, and forgets where the points are.
+inline void perturb(adjustment::BundleProblem& problem, double position_m, double rotation_deg, std::uint64_t seed) {
+  base::Random random(seed, "perturb", 0);
+  for (auto& frame : problem.frames) {
+    frame.T_world_camera.translation += normal3(random, position_m);
+    frame.T_world_camera.rotation =
+        frame.T_world_camera.rotation * small_turn(normal3(random, base::deg_to_rad(rotation_deg)));
+  }
+  for (auto& tie : problem.ties) tie.p_world.setConstant(std::nan(""));
 }
 
 struct BlockOptions {
@@ -56,7 +74,7 @@ struct BlockSurvey {
         down << 1, 0, 0, 0, -1, 0, 0, 0, -1;
         const double yaw = row % 2 == 0 ? 0.3 : 0.3 + std::numbers::pi;
         frame.T_world_camera.rotation = geometry::axis_rotation(geometry::Vec3::UnitZ(), yaw) * down *
-                                        adjustment_tilt(normal3(random, base::deg_to_rad(4.0)));
+                                        small_turn(normal3(random, base::deg_to_rad(4.0)));
         frame.T_world_camera.translation =
             geometry::Vec3(o.spacing_m * column, o.spacing_m * row, o.height_m) + normal3(random, 0.7);
         truth.frames.push_back(frame);
@@ -88,21 +106,9 @@ struct BlockSurvey {
 
   // Poses moved by noise of these sigmas; the points are nowhere.
   [[nodiscard]] adjustment::BundleProblem perturbed(double position_m, double rotation_deg, std::uint64_t seed) const {
-    base::Random random(seed, "perturb", 0);
     auto problem = truth;
-    for (auto& frame : problem.frames) {
-      frame.T_world_camera.translation += normal3(random, position_m);
-      frame.T_world_camera.rotation =
-          frame.T_world_camera.rotation * adjustment_tilt(normal3(random, base::deg_to_rad(rotation_deg)));
-    }
-    for (auto& tie : problem.ties) tie.p_world.setConstant(std::nan(""));
+    perturb(problem, position_m, rotation_deg, seed);
     return problem;
-  }
-
- private:
-  static geometry::Mat3 adjustment_tilt(const geometry::Vec3& w) {
-    return w.norm() > 0.0 ? geometry::axis_rotation(w.normalized(), w.norm())
-                          : geometry::Mat3(geometry::Mat3::Identity());
   }
 };
 
@@ -119,6 +125,20 @@ inline PoseDifference pose_difference(const std::vector<survey::Frame>& a, const
                                                                            b[i].T_world_camera.rotation)));
   }
   return d;
+}
+
+// Frames brought onto others by the similarity of their positions: what a block without a datum can be judged by.
+inline std::vector<survey::Frame> aligned(const std::vector<survey::Frame>& frames,
+                                          const std::vector<survey::Frame>& to) {
+  std::vector<geometry::RigidTransform> a, b;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    a.push_back(frames[i].T_world_camera);
+    b.push_back(to[i].T_world_camera);
+  }
+  const auto T = adjustment::align_poses(a, b);
+  auto result = frames;
+  for (auto& frame : result) frame.T_world_camera = geometry::transform_pose(T, frame.T_world_camera);
+  return result;
 }
 
 }  // namespace cairn::testing
