@@ -17,7 +17,7 @@ struct BundleOptions {
   double outlier_sigmas = 5.0;      // observations farther off than this are removed; 0 = none are
   std::int64_t max_rounds = 6;      // of: solve, estimate sigma_px, remove outliers
   std::int64_t max_iterations = 50;
-  double function_tolerance = 1e-7;    // relative change of the cost at which a solve ends
+  double function_tolerance = 1e-6;    // relative change of the cost at which a solve ends
   std::int64_t min_observations = 8;   // a frame with fewer keeps its pose
   double min_parallax_deg = 0.3;       // a point whose rays meet at less takes no part
   std::string triangulate = "better";  // better | always | never: points anew from the start poses
