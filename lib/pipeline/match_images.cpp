@@ -148,12 +148,13 @@ MatchedSurvey match_images(survey::Survey survey, const fs::path& folder, const 
         .hint("Look at the images; raise --match-max-features or --match-max-width-px");
   put_right(ties, survey, ctx);
   const std::string note = height_note(ties);
-  if (!note.empty()) {
+  result.one_height = !note.empty();
+  if (result.one_height) {
     survey.manifest.notes.push_back(note);
     ctx.warn(note);
   }
   result.summary = summary_of(ties, ties.ties.size());
-  if (!note.empty()) result.summary.set("uncertain", note);
+  if (result.one_height) result.summary.set("uncertain", note);
   survey.ties = std::move(ties.ties);
   ties.ties.clear();
   result.survey = std::move(survey);

@@ -114,6 +114,7 @@ TEST(Intrinsics, CountsByModelAndSet) {
   EXPECT_EQ(intrinsics_count(CameraModel::brown, IntrinsicsSet::focal), 1);
   EXPECT_EQ(intrinsics_count(CameraModel::pinhole, IntrinsicsSet::radial), 1);
   EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::radial), 3);
+  EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::distortion), 2);
   EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::all), 5);
   EXPECT_EQ(intrinsics_count(CameraModel::brown, IntrinsicsSet::all), 8);
   EXPECT_EQ(intrinsics_count(CameraModel::fisheye, IntrinsicsSet::all), 7);
