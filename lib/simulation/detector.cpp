@@ -1,7 +1,10 @@
 #include "simulation/detector.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "base/angle.hpp"
