@@ -24,7 +24,14 @@ struct Format {
   Reader read;
 };
 
-constexpr std::array<Format, 1> kFormats{{{BoxFormat::mot, "mot", boxes::read_mot}}};
+constexpr std::array<Format, 8> kFormats{{{BoxFormat::mot, "mot", boxes::read_mot},
+                                          {BoxFormat::coco, "coco", boxes::read_coco},
+                                          {BoxFormat::yolo, "yolo", boxes::read_yolo},
+                                          {BoxFormat::voc, "voc", boxes::read_voc},
+                                          {BoxFormat::cvat, "cvat", boxes::read_cvat},
+                                          {BoxFormat::darknet_json, "darknet-json", boxes::read_darknet_json},
+                                          {BoxFormat::darknet_txt, "darknet-txt", boxes::read_darknet_txt},
+                                          {BoxFormat::survey_csv, "csv", boxes::read_survey_csv}}};
 
 std::string allowed_formats() {
   std::string text;
@@ -88,10 +95,6 @@ BoxFile read_boxes(const fs::path& path, BoxFormat format, const ReadBoxesOption
   for (const auto& f : kFormats)
     if (f.format == format) return f.read(path, options);
   throw Error(ErrorCode::internal, "format of boxes without a reader");
-}
-
-BoxFormat recognise_boxes(const fs::path&) {
-  return BoxFormat::mot;
 }
 
 std::vector<std::string> read_class_names(const fs::path& path) {
