@@ -13,7 +13,7 @@ namespace cairn::localisation {
 
 // Left, top, right, bottom side of a box, as the plane through the camera centre and that line of the ideal image.
 // normal.(p - camera) = depth of p times (pixel of p - pixel of the side), so a body touches the plane where
-// normal.(c - camera) + sign h(normal) = 0; that divided by the depth of c is the residual in pixels. To first order
+// normal.(c - camera) + sign h(sign normal) = 0; that divided by the depth of c is the residual in pixels. To first order
 // it is the difference between the outline of the body (of an ellipsoid: the conic P Q* P^T) and the side.
 struct BoxPlanes {
   geometry::Vec3 camera = geometry::Vec3::Zero();    // relative to the origin of the parameters, m

@@ -168,7 +168,8 @@ bool side_residuals(const BoxPlanes& box, const Body& body, Eigen::Vector4d* res
   for (std::size_t i = 0; i < 4; ++i) {
     if (!box.used[i]) continue;
     const Vec3& n = box.normal[i];
-    const Eigen::Matrix<Jet, 3, 1> m = normalised(x.data(), n);
+    // The least of n.p over the body is that of -n, turned round.
+    const Eigen::Matrix<Jet, 3, 1> m = normalised(x.data(), Vec3(kSideSign[i] * n));
     const Jet length = sqrt(m.x() * m.x() + m.y() * m.y() + m.z() * m.z());
     std::array<Jet, kHarmonics> y;
     harmonics<Jet>({m.x() / length, m.y() / length, m.z() / length}, &y);
