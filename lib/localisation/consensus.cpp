@@ -46,7 +46,7 @@ class Builder {
     const auto pool = free_boxes();
     result_.left_over.assign(pool.begin(), pool.end());
     for (auto& c : candidates_) {
-      c.visible_frames = judge_.visible_frames(c);
+      c.visible_frames = frames_showing(prepared_, c, options_).size();
       for (const std::size_t b : c.boxes)
         if (result_.seed_of_box[b].valid() && result_.seed_of_box[b] != c.id) ++result_.moved;
     }

@@ -9,6 +9,10 @@
 
 namespace cairn::localisation {
 
+// Frames (ascending) in which the whole candidate should be inside the image.
+[[nodiscard]] std::vector<std::size_t> frames_showing(const PreparedBoxes& prepared, const Candidate& candidate,
+                                                      const LocateOptions& options);
+
 // Whether a box may belong to a point: reprojection, size and depth range.
 class BoxJudge {
  public:
@@ -28,8 +32,6 @@ class BoxJudge {
   // Whether a box may be that of an object of `size_m` at `point`.
   [[nodiscard]] bool fits_size(std::size_t box, const geometry::Vec3& point, double size_m) const;
   [[nodiscard]] bool in_depth_range(std::size_t box, const geometry::Vec3& point) const;
-  // Frames in which the whole object should be inside the image.
-  [[nodiscard]] std::size_t visible_frames(const Candidate& candidate) const;
   // The map extent of a box's ray over its depth range.
   [[nodiscard]] std::pair<geometry::Vec3, geometry::Vec3> ends(std::size_t box) const;
 
