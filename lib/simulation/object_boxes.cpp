@@ -12,6 +12,7 @@
 namespace cairn::simulation {
 namespace {
 
+using geometry::Mat3;
 using geometry::PixelBox;
 using geometry::RigidTransform;
 using geometry::TriangleMesh;
@@ -86,7 +87,9 @@ ObjectOutline::ObjectOutline(const TriangleMesh& exposed)
   for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) sum[t + 1] = sum[t] + mesh_.area_vector(t).norm();
   base::Random random(0, "simulation samples", mesh_.triangles.size());
   for (std::size_t i = 0; i < kSamples && sum.back() > 0.0; ++i) {
-    const double at = (static_cast<double>(i) + random.uniform()) / static_cast<double>(kSamples) * sum.back();
+    // Each third of the samples covers the whole surface.
+    const std::size_t stratum = i % (kSamples / 3) * 3 + i / (kSamples / 3);
+    const double at = (static_cast<double>(stratum) + random.uniform()) / static_cast<double>(kSamples) * sum.back();
     const auto t = static_cast<std::size_t>(std::upper_bound(sum.begin() + 1, sum.end() - 1, at) - sum.begin()) - 1;
     double a = random.uniform(), b = random.uniform();
     if (a + b > 1.0) {
@@ -100,13 +103,30 @@ ObjectOutline::ObjectOutline(const TriangleMesh& exposed)
 }
 
 std::optional<Outline> ObjectOutline::seen(const survey::Camera& camera, const RigidTransform& T_world_camera) const {
-  const Vec3 centre = T_world_camera.rotation.transpose() * (centre_ - T_world_camera.translation);
+  const Mat3 R_camera_world = T_world_camera.rotation.transpose();
+  const Vec3 centre = R_camera_world * (centre_ - T_world_camera.translation);
   if (centre.z() < -radius_) return std::nullopt;
   if (centre.z() < radius_ + kNear) return clipped(camera, T_world_camera);
   const auto w = static_cast<double>(camera.width_px), h = static_cast<double>(camera.height_px);
+  const bool pinhole = camera.model == survey::CameraModel::pinhole;
+  if (pinhole) {
+    // The bounding sphere lies beyond one of the planes through the camera and a side of the image.
+    const auto outside = [&](double at, double size, double f, double middle) {
+      const double low = -middle / f, high = (size - middle) / f;
+      return at - low * centre.z() < -radius_ * std::hypot(1.0, low) ||
+             high * centre.z() - at < -radius_ * std::hypot(1.0, high);
+    };
+    if (outside(centre.x(), w, camera.fx_px, camera.cx_px) || outside(centre.y(), h, camera.fy_px, camera.cy_px))
+      return std::nullopt;
+  }
   Bounds bounds;
   for (const Vec3& v : extreme_) {
-    const auto pixel = camera::project(camera, T_world_camera.rotation.transpose() * (v - T_world_camera.translation));
+    const Vec3 p = R_camera_world * (v - T_world_camera.translation);
+    if (pinhole) {
+      bounds.extend({camera.fx_px * p.x() / p.z() + camera.cx_px, camera.fy_px * p.y() / p.z() + camera.cy_px});
+      continue;
+    }
+    const auto pixel = camera::project(camera, p);
     if (!pixel) return clipped(camera, T_world_camera);
     bounds.extend(*pixel);
   }
@@ -192,29 +212,36 @@ Obstruction::Obstruction(Joined joined)
 
 double Obstruction::visible_share(std::size_t object, const ObjectOutline& outline, const survey::Camera& camera,
                                   const RigidTransform& T_world_camera) const {
-  std::vector<geometry::Ray> rays;
-  std::vector<double> weight, distance;
   const Vec3& from = T_world_camera.translation;
-  for (const auto& sample : outline.samples()) {
-    const Vec3 way = sample.point - from;
-    const double length = way.norm();
-    const double facing = -sample.normal.dot(way) / length;
-    if (!(facing > 0.0)) continue;
-    const auto pixel = camera::project_world(camera, T_world_camera, sample.point);
-    if (!pixel || !camera::inside_image(camera, *pixel)) continue;
-    rays.push_back({from, way / length});
-    weight.push_back(facing / (length * length));
-    distance.push_back(length);
-  }
-  const auto hits = scene_.cast(rays);
+  const auto& samples = outline.samples();
   double seen = 0.0, all = 0.0;
-  for (std::size_t i = 0; i < rays.size(); ++i) {
-    all += weight[i];
-    const bool own = hits[i].triangle >= body_begin_[object] && hits[i].triangle < body_end_[object];
-    // A body sunk into the ground: the surfaces meet at the sample itself.
-    constexpr double kTouch = 0.01;  // m
-    if (!hits[i].hit() || own || hits[i].distance > distance[i] - kTouch) seen += weight[i];
-  }
+  const auto test = [&](std::size_t first, std::size_t last) {
+    std::vector<geometry::Ray> rays;
+    std::vector<double> weight, distance;
+    for (std::size_t i = first; i < last; ++i) {
+      const Vec3 way = samples[i].point - from;
+      const double length = way.norm();
+      const double facing = -samples[i].normal.dot(way) / length;
+      if (!(facing > 0.0)) continue;
+      const auto pixel = camera::project_world(camera, T_world_camera, samples[i].point);
+      if (!pixel || !camera::inside_image(camera, *pixel)) continue;
+      rays.push_back({from, way / length});
+      weight.push_back(facing / (length * length));
+      distance.push_back(length);
+    }
+    const auto hits = scene_.cast(rays);
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+      all += weight[i];
+      const bool own = hits[i].triangle >= body_begin_[object] && hits[i].triangle < body_end_[object];
+      // A body sunk into the ground: the surfaces meet at the sample itself.
+      constexpr double kTouch = 0.01;  // m
+      if (!hits[i].hit() || own || hits[i].distance > distance[i] - kTouch) seen += weight[i];
+    }
+  };
+  // Mostly nothing is in the way: a third of the samples tells so.
+  const std::size_t third = samples.size() / 3;
+  test(0, third);
+  if (seen < all) test(third, samples.size());
   return all > 0.0 ? seen / all : 1.0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/parallel.hpp"
@@ -90,41 +91,76 @@ void add_frames(const Scene& scene, std::uint64_t seed, const std::vector<Exposu
   }
 }
 
-}  // namespace
-
-Recording simulate(const Scene& scene, std::uint64_t seed, base::RunContext& ctx) {
+geometry::TriangleMesh checked_terrain(const Scene& scene) {
   validate(scene);
-  Recording recording;
-  recording.terrain = terrain_mesh(scene.terrain);
-  if (recording.terrain.triangles.empty())
+  auto mesh = terrain_mesh(scene.terrain);
+  if (mesh.triangles.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "the terrain has no surface").record("terrain");
-  const Ground ground(recording.terrain);
-  std::vector<PlacedObject> objects = place_objects(scene, ground);
-  const auto exposures = fly(scene, ground, objects);
+  return mesh;
+}
+
+std::vector<Exposure> checked_flight(const Scene& scene, const Ground& ground,
+                                     const std::vector<PlacedObject>& objects) {
+  auto exposures = fly(scene, ground, objects);
   if (exposures.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "no frame is taken on these flights").record("flights");
   if (exposures.size() > kMaxFrames)
     throw base::Error(base::ErrorCode::failed_precondition, "the flights take too many frames")
         .found(std::to_string(exposures.size()))
         .allowed("at most " + std::to_string(kMaxFrames));
-  add_frames(scene, seed, exposures, recording);
-  const Obstruction obstruction(recording.terrain, objects);
-  const auto boxes = true_boxes(scene, exposures, objects, obstruction, ctx);
-  auto found = detect(scene, seed, exposures, boxes, objects, place_clutter(scene, seed, ground), obstruction);
+  return exposures;
+}
 
+}  // namespace
+
+struct Rehearsal::Impl {
+  Impl(const Scene& s, base::RunContext& ctx)
+      : scene(s),
+        terrain(checked_terrain(s)),
+        ground(terrain),
+        objects(place_objects(s, ground)),
+        exposures(checked_flight(s, ground, objects)),
+        obstruction(terrain, objects),
+        boxes(true_boxes(s, exposures, objects, obstruction, ctx)) {}
+
+  const Scene& scene;
+  geometry::TriangleMesh terrain;
+  Ground ground;
+  std::vector<PlacedObject> objects;
+  std::vector<Exposure> exposures;
+  Obstruction obstruction;
+  std::vector<std::vector<SeenBox>> boxes;  // of each exposure
+};
+
+Rehearsal::Rehearsal(const Scene& scene, base::RunContext& ctx) : impl_(std::make_unique<Impl>(scene, ctx)) {}
+Rehearsal::~Rehearsal() = default;
+Rehearsal::Rehearsal(Rehearsal&&) noexcept = default;
+Rehearsal& Rehearsal::operator=(Rehearsal&&) noexcept = default;
+
+Recording Rehearsal::record(std::uint64_t seed) const {
+  const Scene& scene = impl_->scene;
+  Recording recording;
+  add_frames(scene, seed, impl_->exposures, recording);
+  auto found = detect(scene, seed, impl_->exposures, impl_->boxes, impl_->objects,
+                      place_clutter(scene, seed, impl_->ground), impl_->obstruction);
   recording.survey.manifest = manifest(scene, seed);
   recording.survey.detections = std::move(found.detections);
+  recording.terrain = impl_->terrain;
   recording.truth.scene = scene.name;
   recording.truth.seed = seed;
   recording.truth.detections = std::move(found.origins);
-  for (const auto& frame : boxes)
+  for (const auto& frame : impl_->boxes)
     for (const SeenBox& box : frame) recording.truth.boxes.push_back(box.truth);
-  for (PlacedObject& object : objects) {
-    recording.truth.objects.push_back(std::move(object.truth));
-    recording.shapes.push_back(std::move(object.shape));
-    recording.names.push_back(std::move(object.name));
+  for (const PlacedObject& object : impl_->objects) {
+    recording.truth.objects.push_back(object.truth);
+    recording.shapes.push_back(object.shape);
+    recording.names.push_back(object.name);
   }
   return recording;
+}
+
+Recording simulate(const Scene& scene, std::uint64_t seed, base::RunContext& ctx) {
+  return Rehearsal(scene, ctx).record(seed);
 }
 
 }  // namespace cairn::simulation

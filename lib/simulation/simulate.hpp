@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -24,13 +25,30 @@ struct Recording {
   std::vector<survey::ObjectId> circled;
 };
 
-// Same scene and seed, same recording, on any number of threads. The seed draws the errors (poses, detections,
-// clutter); the ground, the objects and the flight belong to the scene alone.
-// Frames' ids count from 1; times are of base boot and start at 1 s. `image` names "images/<id>.<format>" where the
-// scene asks for images. No pictures are made here: the renderer takes shapes, terrain and truth.frames.
-// A detection's box is of the raw image; the true box is that of the whole exposed outline, hidden parts included.
-// Throws invalid_argument (see validate), failed_precondition where the scene does not fit together.
-// Cost: linear in frames times objects, with a cheap test for objects out of view; about 20 us a true box.
+// A scene flown without errors: all that does not depend on the seed, so that many seeds of a scene are cheap.
+// The scene must outlive it.
+class Rehearsal {
+ public:
+  // Throws invalid_argument (see validate), failed_precondition where the scene does not fit together.
+  // Cost: linear in frames times objects in view (a cheap test for those out of view), about 20 us a true box.
+  Rehearsal(const Scene& scene, base::RunContext& ctx);
+  ~Rehearsal();
+  Rehearsal(Rehearsal&&) noexcept;
+  Rehearsal& operator=(Rehearsal&&) noexcept;
+
+  // Same scene and seed, same recording, on any number of threads. The seed draws the errors (poses, detections,
+  // clutter); the ground, the objects and the flight belong to the scene alone.
+  // Frames' ids count from 1; times are of base boot and start at 1 s. `image` names "images/<id>.<format>" where the
+  // scene asks for images. No pictures are made here: the renderer takes shapes, terrain and truth.frames.
+  // A detection's box is of the raw image; the true box is that of the whole exposed outline, hidden parts included.
+  [[nodiscard]] Recording record(std::uint64_t seed) const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+// One recording.
 [[nodiscard]] Recording simulate(const Scene& scene, std::uint64_t seed, base::RunContext& ctx);
 
 }  // namespace cairn::simulation
