@@ -3,7 +3,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "geometry/grey_image.hpp"
 
@@ -27,5 +29,23 @@ struct ImageHeader {
 // decoded at 1/2, 1/4 or 1/8 (JPEG: nearly for free), the largest fraction that is not wider; 0 = full
 // size. Images above 400 Mpx are refused. Throws as above, and invalid_input where decoding fails.
 [[nodiscard]] geometry::GreyImage read_grey_image(const std::filesystem::path& path, std::int64_t max_width_px = 0);
+
+// Red, green, blue of each pixel, row-major from the top. By the name's extension: .png (lossless), or .jpg / .jpeg
+// of the given quality (1..100). Throws invalid_argument for another extension or a size that does not fit the
+// values, resource_exhausted where the disk is full.
+void write_rgb_image(const std::filesystem::path& path, std::int64_t width_px, std::int64_t height_px,
+                     std::span<const std::uint8_t> rgb, int jpeg_quality = 92);
+
+// One 16-bit value a pixel: depth in millimetres, instance masks.
+struct Grey16Image {
+  std::int64_t width_px = 0, height_px = 0;
+  std::vector<std::uint16_t> values;  // row-major
+};
+
+// PNG of one 16-bit channel. Throws as above.
+void write_grey16_png(const std::filesystem::path& path, std::int64_t width_px, std::int64_t height_px,
+                      std::span<const std::uint16_t> values);
+// Throws invalid_input where the file is not a PNG of one 16-bit channel.
+[[nodiscard]] Grey16Image read_grey16_png(const std::filesystem::path& path);
 
 }  // namespace cairn::io

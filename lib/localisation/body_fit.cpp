@@ -11,6 +11,7 @@
 
 #include "base/angle.hpp"
 #include "base/parallel.hpp"
+#include "geometry/enclosing_circle.hpp"
 #include "localisation/body_solver.hpp"
 
 namespace cairn::localisation {
@@ -173,21 +174,26 @@ Work prepare(const Target& target, std::size_t index, const survey::Survey& surv
   return work;
 }
 
-// sigma_l of the harmonics of degree 3 to 6 on rocks, and the means of the zonal ones.
-constexpr std::array<double, 4> kHarmonicSigma{0.02, 0.015, 0.01, 0.008};
-constexpr std::array<double, 4> kZonalMean{0.0, 0.0, 0.0, 0.0};
+// What rocks are, by degree 3 to 6 of the harmonics: zonal ones (flat undersides, heads wider than feet) and the
+// others. docs/science/localisation.md says how these were measured.
+constexpr std::array<double, 4> kZonalMean{0.008, -0.020, 0.005, -0.005};
+constexpr std::array<double, 4> kZonalSigma{0.030, 0.020, 0.009, 0.005};
+constexpr std::array<double, 4> kHarmonicSigma{0.0125, 0.0095, 0.0045, 0.0033};
+constexpr double kStretchSigma = 0.25;  // half the log of the ratio of the level axes
+constexpr double kHeightSigma = 0.4;    // log of half height over mean level semi-axis
+constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
 
 BodyPrior prior_of(const Work& work) {
   BodyPrior prior;
   const double radius = std::exp(work.start.ellipsoid[kLogRadius]);
-  prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = 0.4;
-  prior.sigma[kLogHalfHeight] = 0.5;
-  prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = 0.3 * radius;
+  prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = kStretchSigma;
+  prior.sigma[kLogHalfHeight] = kHeightSigma;
+  prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = kLeanSigma * radius;
   for (int l = kLeastDegree; l <= kMostDegree; ++l) {
     const auto degree = static_cast<std::size_t>(l - kLeastDegree);
     for (int m = -l; m <= l; ++m) {
       const auto i = static_cast<Eigen::Index>(kEllipsoidParameters + harmonic_index(l, m));
-      prior.sigma[i] = kHarmonicSigma[degree];
+      prior.sigma[i] = m == 0 ? kZonalSigma[degree] : kHarmonicSigma[degree];
       prior.mean[i] = m == 0 ? kZonalMean[degree] : 0.0;
     }
   }
@@ -243,63 +249,25 @@ Noise observed_noise(const std::vector<Work>& works, const Noise& assumed) {
   return noise;
 }
 
-// Smallest circle around a level section given by its support in kDirections equal directions: least R with
-// u_i.c + R >= h_i, by the dual simplex method. Exact but for the directions between (1 - cos of half their angle).
-constexpr int kDirections = 72;
-
-struct Circle {
-  Vec2 centre;
-  double radius;
-};
-
-Circle enclosing_circle(const std::array<double, kDirections>& h) {
-  const auto row = [](int i) {
-    const double angle = 2.0 * std::numbers::pi * i / kDirections;
-    return Vec3(std::cos(angle), std::sin(angle), 1.0);
-  };
-  std::array<int, 3> basis{0, kDirections / 3, 2 * kDirections / 3};
-  Vec3 solution = Vec3::Zero();
-  constexpr int kMostExchanges = 500;
-  for (int exchange = 0; exchange < kMostExchanges; ++exchange) {
-    Mat3 a;
-    Vec3 b;
-    for (int k = 0; k < 3; ++k) {
-      a.row(k) = row(basis[static_cast<std::size_t>(k)]).transpose();
-      b[k] = h[static_cast<std::size_t>(basis[static_cast<std::size_t>(k)])];
-    }
-    const Mat3 inverse = a.inverse();
-    solution = inverse * b;
-    int worst = -1;
-    double violation = 1e-12 * (1.0 + std::abs(solution.z()));
-    for (int i = 0; i < kDirections; ++i)
-      if (const double v = h[static_cast<std::size_t>(i)] - row(i).dot(solution); v > violation) {
-        violation = v;
-        worst = i;
-      }
-    if (worst < 0) break;
-    // Multipliers of the basis, and how they change as the new one grows: the first to reach 0 leaves.
-    const Vec3 multiplier = inverse.transpose() * Vec3::UnitZ(), change = inverse.transpose() * row(worst);
-    int leaves = -1;
-    double least = 0.0;
-    for (int k = 0; k < 3; ++k)
-      if (change[k] > 1e-12 && (leaves < 0 || multiplier[k] / change[k] < least)) {
-        least = multiplier[k] / change[k];
-        leaves = k;
-      }
-    if (leaves < 0) break;
-    basis[static_cast<std::size_t>(leaves)] = worst;
-  }
-  return {solution.head<2>(), solution.z()};
-}
-
 // The smallest upright cylinder around a body, relative to its origin.
 geometry::VerticalCylinder cylinder_of(const Body& body) {
+  // A support's derivative along the angle is how far its point of contact lies to the side.
+  constexpr int kDirections = 60;
+  constexpr double kTurn = 2.0 * std::numbers::pi / kDirections;
   std::array<double, kDirections> h;
+  const auto along = [](int i) { return Vec2(std::cos(kTurn * i), std::sin(kTurn * i)); };
   for (int i = 0; i < kDirections; ++i) {
-    const double angle = 2.0 * std::numbers::pi * i / kDirections;
-    h[static_cast<std::size_t>(i)] = body.support(Vec3(std::cos(angle), std::sin(angle), 0.0));
+    const Vec2 u = along(i);
+    h[static_cast<std::size_t>(i)] = body.support(Vec3(u.x(), u.y(), 0.0));
   }
-  const Circle circle = enclosing_circle(h);
+  const auto at = [&](int i) { return h[static_cast<std::size_t>((i + kDirections) % kDirections)]; };
+  std::vector<Vec2> touched;
+  for (int i = 0; i < kDirections; ++i) {
+    const double aside = (8.0 * (at(i + 1) - at(i - 1)) - (at(i + 2) - at(i - 2))) / (12.0 * kTurn);
+    const Vec2 u = along(i);
+    touched.push_back(at(i) * u + aside * Vec2(-u.y(), u.x()));
+  }
+  const auto circle = geometry::smallest_enclosing_circle(touched);
   geometry::VerticalCylinder cylinder;
   cylinder.axis = circle.centre + Vec2(body.ellipsoid[kCentreEast], body.ellipsoid[kCentreNorth]);
   cylinder.radius = circle.radius;

@@ -231,6 +231,7 @@ Vec3 stretch_to(const TriangleMesh& mesh, const Vec3& size) {
 }
 
 void append(TriangleMesh& mesh, const TriangleMesh& more) {
+  mesh.colours.insert(mesh.colours.end(), more.colours.begin(), more.colours.end());
   const auto offset = static_cast<std::uint32_t>(mesh.vertices.size());
   mesh.vertices.insert(mesh.vertices.end(), more.vertices.begin(), more.vertices.end());
   for (const auto& t : more.triangles) mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/angle.hpp"
 #include "base/error.hpp"
@@ -113,6 +115,30 @@ TriangleMesh given_mesh(const ShapeSpec& spec) {
   return mesh;
 }
 
+// A cone with the orange and white of the road, for whoever draws it.
+TriangleMesh traffic_cone(const Vec3& size, std::size_t sectors) {
+  constexpr std::array<std::uint8_t, 3> kOrange = {232, 92, 28}, kWhite = {236, 236, 232};
+  constexpr double kSharp = 0.002;  // of the height, over which the colour changes
+  std::vector<Ring3> rings;
+  std::vector<bool> white;
+  const auto add = [&](double z, bool is_white) {
+    rings.push_back(ellipse(sectors, 0.5 * size.x() * (1.0 - z), 0.5 * size.y() * (1.0 - z), z * size.z()));
+    white.push_back(is_white);
+  };
+  for (const auto& [top, bottom] : {std::pair{0.8, 0.62}, std::pair{0.45, 0.25}}) {
+    add(top + kSharp, false);
+    add(top, true);
+    add(bottom, true);
+    add(bottom - kSharp, false);
+  }
+  add(0.0, false);
+  TriangleMesh mesh = ring_mesh({0.0, 0.0, size.z()}, rings, Vec3::Zero());
+  mesh.colours.assign(mesh.vertices.size(), kOrange);
+  for (std::size_t r = 0; r < rings.size(); ++r)
+    if (white[r]) std::fill_n(mesh.colours.begin() + static_cast<std::ptrdiff_t>(1 + r * sectors), sectors, kWhite);
+  return mesh;
+}
+
 }  // namespace
 
 RestingBody make_solid(const ShapeSpec& spec, double edge) {
@@ -135,7 +161,7 @@ RestingBody make_solid(const ShapeSpec& spec, double edge) {
     }
     case ShapeKind::cone: {
       const Ring3 base = ellipse(sectors, rx, ry, 0.0);
-      solid.body = ring_mesh({0.0, 0.0, size.z()}, {base}, Vec3::Zero());
+      solid.body = traffic_cone(size, sectors);
       rest_on(solid, base, spec.contact_share);
       break;
     }

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <string_view>
 
 #include "simulation/noise.hpp"
 #include "simulation/resting_body.hpp"
@@ -59,6 +61,23 @@ TriangleMesh tier(double bottom, double top, double radius, double relief, std::
   return ring_mesh({0.0, 0.0, top}, rings, {0.0, 0.0, bottom + 0.35 * (top - bottom)});
 }
 
+TriangleMesh painted(TriangleMesh mesh, std::array<std::uint8_t, 3> colour) {
+  mesh.colours.assign(mesh.vertices.size(), colour);
+  return mesh;
+}
+
+constexpr std::array<std::uint8_t, 3> kBark = {104, 84, 66};
+
+// Greens of one tree differ a little from branch to branch.
+std::array<std::uint8_t, 3> leaf(std::string_view family, double shade) {
+  const std::array<double, 3> base = family == "conifer" ? std::array<double, 3>{58.0, 84.0, 52.0}
+                                     : family == "bush"  ? std::array<double, 3>{112.0, 118.0, 74.0}
+                                                         : std::array<double, 3>{84.0, 108.0, 54.0};
+  std::array<std::uint8_t, 3> colour{};
+  for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint8_t>(base[i] * (0.85 + 0.3 * shade));
+  return colour;
+}
+
 }  // namespace
 
 RestingBody make_tree(const ShapeSpec& spec, double edge, base::Random& random) {
@@ -71,27 +90,35 @@ RestingBody make_tree(const ShapeSpec& spec, double edge, base::Random& random) 
   const double crown_base = tree.family == "bush" ? 0.05 : tree.family == "conifer" ? 0.12 : random.uniform(0.25, 0.38);
   const double girth = tree.family == "bush" ? 0.05 : 0.035;
   append(tree.body,
-         ring_mesh({0.0, 0.0, 0.75},
-                   {circle(12, {0.0, 0.0, 0.74}, 0.3 * girth), circle(12, {0.0, 0.0, crown_base}, 0.8 * girth),
-                    circle(12, {0.0, 0.0, 0.0}, 1.4 * girth)},
-                   Vec3::Zero()));
+         painted(ring_mesh({0.0, 0.0, 0.75},
+                           {circle(12, {0.0, 0.0, 0.74}, 0.3 * girth), circle(12, {0.0, 0.0, crown_base}, 0.8 * girth),
+                            circle(12, {0.0, 0.0, 0.0}, 1.4 * girth)},
+                           Vec3::Zero()),
+                 kBark));
   if (tree.family == "conifer") {
     constexpr int kTiers = 6;
     for (int k = 0; k < kTiers; ++k) {
       const double t = static_cast<double>(k) / kTiers, bottom = crown_base + (1.0 - crown_base) * t * 0.95;
       const double top = std::min(1.0, bottom + 0.34 * (1.0 - 0.55 * t));
-      append(tree.body, tier(bottom, top, 0.5 * (1.0 - 0.85 * t), relief, sectors, random.bits()));
+      const std::uint64_t seed = random.bits();
+      const auto green = leaf(tree.family, random.uniform());
+      append(tree.body, painted(tier(bottom, top, 0.5 * (1.0 - 0.85 * t), relief, sectors, seed), green));
     }
   } else {
     const bool bush = tree.family == "bush";
     const int blobs = bush ? 5 : 7;
     const double middle = 0.5 * (1.0 + crown_base), half = 0.5 * (1.0 - crown_base);
-    append(tree.body, foliage({0.0, 0.0, middle}, Vec3(0.36, 0.36, 0.85 * half), relief, sectors, random.bits()));
+    const std::uint64_t core_seed = random.bits();
+    const auto core_green = leaf(tree.family, random.uniform());
+    append(tree.body,
+           painted(foliage({0.0, 0.0, middle}, Vec3(0.36, 0.36, 0.85 * half), relief, sectors, core_seed), core_green));
     for (int k = 0; k < blobs; ++k) {
       const double a = kTurn * (k + random.uniform(0.0, 0.6)) / blobs;
       const double out = random.uniform(0.18, 0.28), r = random.uniform(0.17, 0.25);
       const Vec3 centre(out * std::cos(a), out * std::sin(a), middle + random.uniform(-0.45, 0.45) * half);
-      append(tree.body, foliage(centre, Vec3(r, r, std::min(r, 0.8 * half)), relief, sectors, random.bits()));
+      const std::uint64_t seed = random.bits();
+      const auto green = leaf(tree.family, random.uniform());
+      append(tree.body, painted(foliage(centre, Vec3(r, r, std::min(r, 0.8 * half)), relief, sectors, seed), green));
     }
   }
   // No crown reaches below the foot of the trunk.

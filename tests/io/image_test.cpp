@@ -104,5 +104,47 @@ TEST(GreyImage, SampleIsBilinearInTheCornerConvention) {
   EXPECT_FALSE(image.sample({1.6, 0.5}).has_value());
 }
 
+TEST(ImageWrite, PngKeepsEveryPixelAndJpegNearly) {
+  const testing::TempFolder folder;
+  constexpr std::int64_t kWidth = 37, kHeight = 21;
+  std::vector<std::uint8_t> rgb;
+  for (std::int64_t i = 0; i < kWidth * kHeight; ++i)
+    for (const std::int64_t channel : {5 * (i % kWidth), 9 * (i / kWidth), std::int64_t{40}})
+      rgb.push_back(static_cast<std::uint8_t>(channel));
+  write_rgb_image(folder / "a.png", kWidth, kHeight, rgb);
+  const auto header = read_image_header(folder / "a.png");
+  EXPECT_EQ(header.width_px, kWidth);
+  EXPECT_EQ(header.height_px, kHeight);
+  EXPECT_EQ(header.channels, 3);
+  // Brightness by ITU-R BT.601, which a swap of red and blue would change.
+  const auto grey = read_grey_image(folder / "a.png");
+  for (std::size_t i = 0; i < grey.values.size(); ++i)
+    ASSERT_NEAR(grey.values[i], 0.299 * rgb[3 * i] + 0.587 * rgb[3 * i + 1] + 0.114 * rgb[3 * i + 2], 1.0) << i;
+  write_rgb_image(folder / "a.jpg", kWidth, kHeight, rgb, 95);
+  EXPECT_EQ(read_image_header(folder / "a.jpg").format, "JPEG");
+  const auto coded = read_grey_image(folder / "a.jpg");
+  for (std::size_t i = 0; i < coded.values.size(); ++i) ASSERT_NEAR(coded.values[i], grey.values[i], 8.0) << i;
+}
+
+TEST(ImageWrite, SixteenBitsGoThroughUnchanged) {
+  const testing::TempFolder folder;
+  const std::vector<std::uint16_t> values = {0, 1, 255, 256, 4660, 65535};
+  write_grey16_png(folder / "d.png", 3, 2, values);
+  const auto image = read_grey16_png(folder / "d.png");
+  EXPECT_EQ(image.width_px, 3);
+  EXPECT_EQ(image.height_px, 2);
+  EXPECT_EQ(image.values, values);
+  EXPECT_THROW(static_cast<void>(read_grey16_png(photograph())), base::Error);
+}
+
+TEST(ImageWrite, RefusesWhatItCannotWrite) {
+  const testing::TempFolder folder;
+  const std::vector<std::uint8_t> rgb(3 * 4, 0);
+  EXPECT_THROW(write_rgb_image(folder / "a.bmp", 2, 2, rgb), base::Error);
+  EXPECT_THROW(write_rgb_image(folder / "a.png", 3, 2, rgb), base::Error);
+  EXPECT_THROW(write_rgb_image(folder / "none" / "a.png", 2, 2, rgb), base::Error);
+  EXPECT_FALSE(fs::exists(folder / "a.png"));
+}
+
 }  // namespace
 }  // namespace cairn::io

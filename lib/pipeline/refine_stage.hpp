@@ -1,0 +1,36 @@
+// Stage `refine`: poses, tie points and control points -> a survey with refined poses.
+#pragma once
+
+#include <filesystem>
+
+#include "adjustment/bundle_options.hpp"
+#include "adjustment/tie_matches.hpp"
+#include "base/run_context.hpp"
+#include "pipeline/outcome.hpp"
+
+namespace cairn::pipeline {
+
+struct RefineInputs {
+  std::filesystem::path survey;        // survey folder; it is not changed
+  std::filesystem::path final_folder;  // where the result will stand: its references are relative to it
+};
+
+struct RefineStageOptions {
+  bool match = false;  // tie points from the images, in place of the survey's
+  adjustment::TieMatchOptions matching;
+  adjustment::BundleOptions bundle;
+
+  void visit(base::OptionVisitor& visitor) {
+    visitor.flag("match", match, "find tie points in the images, in place of the survey's");
+    matching.visit(visitor);
+    bundle.visit(visitor);
+  }
+};
+
+// Writes into `out` a complete survey folder (poses and their sigmas, intrinsics where asked for, detections, the tie
+// points used at their adjusted places, sources) and refine_frames.csv, one row a frame.
+// Throws failed_precondition where the survey has no tie points.
+Outcome refine_stage(const RefineInputs& in, const std::filesystem::path& out, const RefineStageOptions& options,
+                     base::RunContext& ctx);
+
+}  // namespace cairn::pipeline
