@@ -34,4 +34,14 @@ Mat3 turned_half(const Mat3& rotation_from_camera) {
   return rotation_from_camera * Vec3(-1.0, -1.0, 1.0).asDiagonal();
 }
 
+survey::Camera turned_half(const survey::Camera& camera) {
+  survey::Camera turned = camera;
+  turned.cx_px = static_cast<double>(camera.width_px) - camera.cx_px;
+  turned.cy_px = static_cast<double>(camera.height_px) - camera.cy_px;
+  // With both axes reversed the radial part is unchanged and the quadratic tangential part changes sign.
+  turned.p1 = -camera.p1;
+  turned.p2 = -camera.p2;
+  return turned;
+}
+
 }  // namespace cairn::camera

@@ -3,6 +3,7 @@
 
 #include "base/angle.hpp"
 #include "geometry/vec.hpp"
+#include "survey/camera.hpp"
 
 namespace cairn::camera {
 
@@ -30,5 +31,8 @@ enum class CameraMount {
 // The rotation of a camera whose pixels were turned by 180 degrees after the photograph was taken:
 // a half turn about the optical axis.
 [[nodiscard]] geometry::Mat3 turned_half(const geometry::Mat3& rotation_from_camera);
+
+// That camera: principal point and tangential terms mirrored.
+[[nodiscard]] survey::Camera turned_half(const survey::Camera& camera);
 
 }  // namespace cairn::camera

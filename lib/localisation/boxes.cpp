@@ -5,7 +5,6 @@
 #include <map>
 #include <set>
 
-#include "base/angle.hpp"
 #include "base/number_text.hpp"
 
 namespace cairn::localisation {
@@ -22,23 +21,6 @@ double overlap(const PixelBox& a, const PixelBox& b) {
   const double h = std::min(a.ymax, b.ymax) - std::max(a.ymin, b.ymin);
   if (!(w > 0.0 && h > 0.0)) return 0.0;
   return w * h / (a.area() + b.area() - w * h);
-}
-
-bool usable_pose(const geometry::RigidTransform& T) {
-  return T.rotation.allFinite() && T.translation.allFinite();
-}
-
-FrameView frame_view(const survey::Frame& frame, const survey::Camera& camera, const LocateOptions& options) {
-  FrameView result;
-  result.id = frame.id;
-  result.camera = &camera;
-  result.view = ideal_view(camera, frame.T_world_camera);
-  const auto known = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0; };
-  result.sigma_xy_m = options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame.sigma_xy_m);
-  result.sigma_z_m = options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame.sigma_z_m);
-  result.sigma_rot_rad =
-      base::deg_to_rad(options.pose_sigma_deg >= 0.0 ? options.pose_sigma_deg : known(frame.sigma_rot_deg));
-  return result;
 }
 
 // Why a detection cannot be used, or an empty reason.
@@ -94,73 +76,117 @@ void drop_duplicates(std::vector<Box>& boxes, double limit, std::vector<base::Re
   boxes = std::move(result);
 }
 
+// A box and where it comes from.
+struct Row {
+  survey::Detection detection;
+  survey::TrackId track;
+};
+
+std::string record_of(const Row& row) {
+  if (row.detection.id.valid()) return record_of(row.detection.id);
+  return "track " + std::to_string(row.track.value) + " at frame " + std::to_string(row.detection.frame.value);
+}
+
+std::vector<Row> rows_of(const survey::Survey& survey, const Tracks& tracks, bool paper, PreparedBoxes& result) {
+  std::vector<Row> rows;
+  if (!tracks) {
+    for (const auto& d : survey.detections) rows.push_back({d, {}});
+    return rows;
+  }
+  std::set<survey::DetectionId> claimed;
+  for (const auto& tracked : *tracks) {
+    Row row{tracked.box, tracked.track};
+    if (tracked.state == survey::TrackState::coasted) {
+      ++result.coasted;
+      row.detection.id = {};
+      if (paper) rows.push_back(std::move(row));
+      continue;
+    }
+    const auto* detection = survey.detection(tracked.box.id);
+    const std::string where =
+        "track " + std::to_string(tracked.track.value) + " at frame " + std::to_string(tracked.box.frame.value);
+    if (detection == nullptr || detection->frame != tracked.box.frame) {
+      result.rejects.push_back({where, "unknown_detection",
+                                "detection " + std::to_string(tracked.box.id.value) + " is not one of this frame"});
+    } else if (!claimed.insert(detection->id).second) {
+      result.rejects.push_back(
+          {where, "duplicate_track_row", "detection " + std::to_string(detection->id.value) + " is in another row"});
+    } else {
+      if (!paper) row.detection = *detection;
+      rows.push_back(std::move(row));
+    }
+  }
+  for (const auto& d : survey.detections)
+    if (!claimed.contains(d.id))
+      result.rejects.push_back({record_of(d.id), "unregistered", "no registered track holds this box"});
+  return rows;
+}
+
+bool is_video(const std::vector<FrameView>& frames) {
+  constexpr std::size_t kLeastFrames = 100;
+  constexpr double kLongestStep_s = 2.0;
+  if (frames.size() < kLeastFrames) return false;
+  std::vector<std::int64_t> steps;
+  for (std::size_t f = 1; f < frames.size(); ++f) steps.push_back(frames[f].time_ns - frames[f - 1].time_ns);
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  const double step = 1e-9 * static_cast<double>(steps[steps.size() / 2]);
+  return step > 0.0 && step <= kLongestStep_s;
+}
+
 }  // namespace
 
 base::Reject edge_reject(survey::DetectionId id) {
   return {record_of(id), "edge", "the box touches the image border, and no target was found that it is a part of"};
 }
 
-PreparedBoxes prepare_boxes(const survey::Survey& survey, const LocateOptions& options) {
+PreparedBoxes prepare_boxes(const survey::Survey& survey, const LocateOptions& options, const Tracks& tracks) {
   PreparedBoxes result;
-  std::map<survey::FrameId, std::string> unusable;
-  std::vector<std::pair<std::int64_t, FrameView>> timed;
-  for (const auto& frame : survey.frames) {
-    const auto* camera = survey.camera(frame.camera);
-    const std::string record = "frame " + std::to_string(frame.id.value);
-    if (camera == nullptr) {
-      unusable[frame.id] = "unknown_camera";
-      result.rejects.push_back(
-          {record, "unknown_camera", "camera " + std::to_string(frame.camera.value) + " is not in the survey"});
-    } else if (!usable_pose(frame.T_world_camera)) {
-      unusable[frame.id] = "bad_pose";
-      result.rejects.push_back({record, "bad_pose", "the pose is not finite"});
-    } else {
-      timed.emplace_back(frame.time_ns, frame_view(frame, *camera, options));
-    }
-  }
-  std::stable_sort(timed.begin(), timed.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : a.second.id < b.second.id;
-  });
-  std::map<survey::FrameId, std::size_t> index_of;
-  for (auto& [time, frame] : timed) {
-    index_of[frame.id] = result.frames.size();
-    result.frames.push_back(std::move(frame));
-  }
+  const bool paper = mode_of(options) == Mode::paper;
+  FrameViews views = frame_views(survey, options, result.rejects);
+  result.frames = std::move(views.frames);
+  result.clock_jumps = views.clock_jumps;
+  result.tracked = tracks.has_value();
+  result.video = result.tracked || is_video(result.frames);
+  const std::vector<Row> rows = rows_of(survey, tracks, paper, result);
 
   std::set<std::string> names;
-  for (const auto& d : survey.detections) names.insert(d.object_class);
+  for (const auto& row : rows) names.insert(row.detection.object_class);
   result.classes.assign(names.begin(), names.end());
 
   std::vector<std::vector<Box>> by_frame(result.frames.size());
-  for (const auto& d : survey.detections) {
-    const auto at = index_of.find(d.frame);
-    if (at == index_of.end()) {
-      const auto why = unusable.find(d.frame);
-      result.rejects.push_back({record_of(d.id), why == unusable.end() ? "unknown_frame" : why->second,
-                                "frame " + std::to_string(d.frame.value) + " cannot be used"});
+  for (const auto& row : rows) {
+    const survey::Detection& d = row.detection;
+    const auto reject = [&](std::string reason, std::string message) {
+      result.rejects.push_back({record_of(row), std::move(reason), std::move(message)});
+    };
+    const auto at = views.index.find(d.frame);
+    if (at == views.index.end()) {
+      const auto why = views.unusable.find(d.frame);
+      reject(why == views.unusable.end() ? "unknown_frame" : why->second,
+             "frame " + std::to_string(d.frame.value) + " cannot be used");
       continue;
     }
     const FrameView& frame = result.frames[at->second];
-    const auto verdict = judge(d, options);
+    auto verdict = judge(d, options);
     if (!verdict.reason.empty()) {
-      result.rejects.push_back({record_of(d.id), verdict.reason, verdict.message});
+      reject(std::move(verdict.reason), std::move(verdict.message));
       continue;
     }
     const Edges edges = edges_of(d.box, *frame.camera, options.edge_margin_px);
     const bool cut = edges.u || edges.v;
-    if (cut && mode_of(options) == Mode::paper) {
-      result.rejects.push_back(edge_reject(d.id));
+    if (cut && paper) {
+      reject("edge", edge_reject(d.id).message);
       continue;
     }
     const auto ideal = undistorted(*frame.camera, d.box);
     const auto centre = undistorted(*frame.camera, d.box.centre());
     if (!ideal || !centre) {
-      result.rejects.push_back({record_of(d.id), "cannot_undistort",
-                                "the lens model has no ray for this box, or it lies over 80 deg off the axis"});
+      reject("cannot_undistort", "the lens model has no ray for this box, or it lies over 80 deg off the axis");
       continue;
     }
     Box box;
     box.id = d.id;
+    box.track = row.track;
     box.frame = at->second;
     box.object_class = static_cast<std::size_t>(
         std::lower_bound(result.classes.begin(), result.classes.end(), d.object_class) - result.classes.begin());
@@ -175,8 +201,9 @@ PreparedBoxes prepare_boxes(const survey::Survey& survey, const LocateOptions& o
   }
   for (std::size_t f = 0; f < by_frame.size(); ++f) {
     auto& boxes = by_frame[f];
-    std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.id < b.id; });
-    if (mode_of(options) == Mode::robust) drop_duplicates(boxes, options.duplicate_iou, result.rejects);
+    std::sort(boxes.begin(), boxes.end(),
+              [](const Box& a, const Box& b) { return a.id != b.id ? a.id < b.id : a.track < b.track; });
+    if (!paper) drop_duplicates(boxes, options.duplicate_iou, result.rejects);
     for (const auto& box : boxes) {
       (box.cut ? result.frames[f].cut_boxes : result.frames[f].boxes).push_back(result.boxes.size());
       result.boxes.push_back(box);

@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/reject.hpp"
 #include "base/run_context.hpp"
+#include "localisation/boxes.hpp"
 #include "localisation/depth_prior.hpp"
 #include "localisation/options.hpp"
 #include "localisation/points.hpp"
@@ -33,15 +35,21 @@ struct LocateCounts {
   std::size_t frames = 0;                                                      // with a usable pose
   std::size_t generated = 0, converging = 0, converged = 0, deregistered = 0;  // targets by final state
   std::size_t merged = 0, recovered = 0, moved_boxes = 0;                      // by the consensus (robust)
-  double noise_scale = 1.0;  // factor that the residuals put on the assumed errors (robust)
-  std::string depth_source;  // where the depth ranges come from
+  std::size_t coasted = 0;                                                     // rows of tracks that are predictions
+  std::size_t clock_jumps = 0;  // places where the frames' clock runs backwards
+  double drift_m = 0.0;         // rms of the positions' slow errors that were found and removed (robust, video)
+  double noise_scale = 1.0;     // factor that the residuals put on the assumed errors (robust)
+  std::string depth_source;     // where the depth ranges come from
 };
 
 struct LocateResult {
   std::vector<survey::Target> targets;   // ascending id
   std::vector<TargetEvidence> evidence;  // one a target
-  std::vector<Points> points;            // one a target
-  std::vector<base::Reject> rejects;     // boxes and frames that were not used
+  std::vector<Points> points;            // one a target; empty of deregistered ones
+  // Of each used frame, in the order of the recording: recorded less true position as far as it wanders (drift.hpp), m.
+  // The targets are those of the positions less this. Empty where no drift was sought.
+  std::vector<std::pair<survey::FrameId, geometry::Vec3>> drift;
+  std::vector<base::Reject> rejects;  // boxes and frames that were not used
   LocateCounts counts;
 };
 
@@ -49,12 +57,17 @@ struct LocateResult {
 //   (reason `covariance_is_spread`), state = what the filter reached.
 // mode robust: the same with the corrected update; then consensus over all boxes, centre and covariance by robust
 //   triangulation, and the filter run again over each target's final boxes for points, entropy, cylinder.
-//   converged = at least min-boxes consistent boxes from different frames, parallax, centre sigma and hit ratio
-//   within the options. Else the reasons say what is missing: seen_once, too_few_boxes, one_direction,
-//   uncertain_centre, rarely_seen, inconsistent_boxes.
+//   `history` says when the evidence for each stage was complete (history.hpp). Reasons say what is missing: seen_once,
+//   too_few_boxes, one_direction, uncertain_centre, rarely_seen, inconsistent_boxes.
 // Every detection is in exactly one target or among the rejects. Random numbers: (seed, "locate", target id).
 // Nothing here needs frames to be near one another in time or space, nor tracks.
 [[nodiscard]] LocateResult locate(const survey::Survey& survey, const LocateOptions& options, base::RunContext& ctx,
                                   const DepthBound& bound = nullptr);
+
+// With tracks, only registered boxes go on (A5): those of the rows, see prepare_boxes. Both modes associate in space,
+// so that an identity that the image tracker lost or switched does not tear a target apart; robust follows a track as
+// long as its boxes fit the target.
+[[nodiscard]] LocateResult locate(const survey::Survey& survey, const Tracks& tracks, const LocateOptions& options,
+                                  base::RunContext& ctx, const DepthBound& bound = nullptr);
 
 }  // namespace cairn::localisation

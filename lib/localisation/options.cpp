@@ -7,6 +7,7 @@ namespace {
 
 constexpr std::int64_t kPaperPoints = 1000, kRobustPoints = 2000;
 constexpr double kPaperEnlargementPx = 30.0;
+constexpr std::int64_t kPhotoBoxes = 2, kTrackBoxes = 5;
 
 }  // namespace
 
@@ -39,9 +40,16 @@ void LocateOptions::visit(base::OptionVisitor& v) {
   v.flag("assumed-noise", assumed_noise, "keep the assumed errors instead of scaling them to the residuals");
   v.real("pose-sigma-m", pose_sigma_m, -1.0, 1e3, "1 sigma of a camera position; -1 = as the frames say");
   v.real("pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "1 sigma of a camera rotation; -1 = as the frames say");
+  v.real("drift-time-s", drift_time_s, 0.0, 1e6,
+         "video: time in which a wandering position error changes by its size; 0 = do not estimate it");
   v.real("box-gate", box_gate, 0.1, 100.0, "boxes farther from the projected centre are outliers, sigmas");
   v.integer("min-boxes", min_boxes, 2, 1000, "consistent boxes of a converged target");
-  v.real("min-hit-ratio", min_hit_ratio, 0.0, 1.0, "least share of the frames that should show a target and do");
+  v.integer("generation-boxes", generation_boxes, 0, 100000,
+            "consistent boxes of a generated target; 0 = 2 from detections, 5 from tracks");
+  v.real("min-hit-ratio-video", min_hit_ratio_video, 0.0, 1.0,
+         "the same where 40 frames and more should show the target");
+  v.real("min-hit-ratio", min_hit_ratio, 0.0, 1.0,
+         "least share of the frames that should show a target and do, up to 8 of them");
   v.real("min-parallax-deg", min_parallax_deg, 0.0, 180.0, "least angle between two rays of a converged target");
   v.real("max-sigma-m", max_sigma_m, 0.0, 1e4, "largest standard deviation of a converged centre");
 }
@@ -50,7 +58,7 @@ Mode mode_of(const LocateOptions& options) {
   return options.mode == "paper" ? Mode::paper : Mode::robust;
 }
 
-LocateOptions resolved(LocateOptions options) {
+LocateOptions resolved(LocateOptions options, bool tracks) {
   base::validate(base::bind_options(options), "locate");
   if (options.max_depth_m > 0.0 && !(options.max_depth_m > options.min_depth_m))
     throw base::Error(base::ErrorCode::invalid_argument, "options of locate: max-depth-m must exceed min-depth-m")
@@ -63,6 +71,7 @@ LocateOptions resolved(LocateOptions options) {
   const bool paper = mode_of(options) == Mode::paper;
   if (options.points_per_target == 0) options.points_per_target = paper ? kPaperPoints : kRobustPoints;
   if (options.enlargement_px == 0.0 && paper) options.enlargement_px = kPaperEnlargementPx;
+  if (options.generation_boxes == 0) options.generation_boxes = tracks ? kTrackBoxes : kPhotoBoxes;
   return options;
 }
 

@@ -50,11 +50,16 @@ struct LocateOptions {
   double sigma_size = 0.05;    // the same as a fraction of the box's mean side, added in square
   bool assumed_noise = false;  // keep these sigmas; else they are scaled by what the residuals of the whole survey say
   double pose_sigma_m = -1.0;  // 1 sigma of a camera position relative to its neighbours; -1 = what the frames say
-  double pose_sigma_deg = -1.0;   // the same for its rotation
-  double box_gate = 3.5;          // boxes farther from the projected centre [sigmas] are outliers
-  std::int64_t min_boxes = 3;     // consistent boxes of a converged target
-  double min_hit_ratio = 0.34;    // of the frames that should show a target, the share that must
-  double min_parallax_deg = 2.0;  // largest angle between two of its rays
+  double pose_sigma_deg = -1.0;  // the same for its rotation
+  double drift_time_s = 100.0;   // video: a position error that wanders changes by its own size in this time; it is
+                                 //   estimated from the targets. 0 = do not
+  double box_gate = 3.5;         // boxes farther from the projected centre [sigmas] are outliers
+  std::int64_t generation_boxes = 0;  // robust: consistent boxes of a generated target; 0 = 2 from photographs
+                                      //   (detections alone), 5 from tracks
+  std::int64_t min_boxes = 3;         // consistent boxes of a converged target
+  double min_hit_ratio = 0.34;        // of the frames that should show a target, the share that must, up to 8 frames;
+  double min_hit_ratio_video = 0.5;   //   from 40 frames on; in between, in proportion
+  double min_parallax_deg = 2.0;      // largest angle between two of its rays
   double max_sigma_m =
       0.5;  // largest standard deviation of a converged centre, any axis; a quarter of the size where that is more
 
@@ -63,7 +68,8 @@ struct LocateOptions {
 
 [[nodiscard]] Mode mode_of(const LocateOptions& options);
 
-// The options with the values of the mode filled in. Validates; throws invalid_argument.
-[[nodiscard]] LocateOptions resolved(LocateOptions options);
+// The options with the values of the mode filled in. tracks: the boxes are those of tracks. Validates; throws
+// invalid_argument.
+[[nodiscard]] LocateOptions resolved(LocateOptions options, bool tracks = false);
 
 }  // namespace cairn::localisation

@@ -106,23 +106,20 @@ bool BoxJudge::adopt(Candidate& c, const std::optional<Triangulation>& fix) cons
   return true;
 }
 
-std::optional<double> BoxJudge::distance(const Candidate& c, std::size_t b) const {
-  if (c.object_class != prepared_.boxes[b].object_class || !fits_size(b, c.fix.centre, c.size_m)) return std::nullopt;
-  return squared_distance(sighting(b), c.fix.centre, c.fix.covariance);
-}
-
-std::size_t BoxJudge::visible_frames(const Candidate& c) const {
-  std::size_t count = 0;
-  for (const auto& frame : prepared_.frames) {
+std::vector<std::size_t> frames_showing(const PreparedBoxes& prepared, const Candidate& c,
+                                        const LocateOptions& options) {
+  std::vector<std::size_t> result;
+  for (std::size_t f = 0; f < prepared.frames.size(); ++f) {
+    const FrameView& frame = prepared.frames[f];
     const auto pixel = frame.view.project(c.fix.centre);
     if (!pixel) continue;
     const double depth = frame.view.to_camera(c.fix.centre).z();
-    const double half = 0.5 * c.size_m * frame.view.fx_px / depth + options_.edge_margin_px;
+    const double half = 0.5 * c.size_m * frame.view.fx_px / depth + options.edge_margin_px;
     if (pixel->x() >= half && pixel->y() >= half && pixel->x() <= static_cast<double>(frame.camera->width_px) - half &&
         pixel->y() <= static_cast<double>(frame.camera->height_px) - half)
-      ++count;
+      result.push_back(f);
   }
-  return count;
+  return result;
 }
 
 std::vector<Candidate> candidates_from_pool(const PreparedBoxes& prepared, const BoxJudge& judge,

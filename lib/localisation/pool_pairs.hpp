@@ -9,6 +9,10 @@
 
 namespace cairn::localisation {
 
+// Frames (ascending) in which the whole candidate should be inside the image.
+[[nodiscard]] std::vector<std::size_t> frames_showing(const PreparedBoxes& prepared, const Candidate& candidate,
+                                                      const LocateOptions& options);
+
 // Whether a box may belong to a point: reprojection, size and depth range.
 class BoxJudge {
  public:
@@ -20,16 +24,12 @@ class BoxJudge {
   [[nodiscard]] bool fit(Candidate& candidate) const;
   // The same from a start, without the search over pairs.
   [[nodiscard]] bool fit_from(const geometry::Vec3& start, Candidate& candidate) const;
-  // Squared distance [sigmas^2] of a box to a candidate; empty where class or size do not fit.
-  [[nodiscard]] std::optional<double> distance(const Candidate& candidate, std::size_t box) const;
   // Size [m] an object at `point` has if it fills the box.
   [[nodiscard]] double size(std::size_t box, const geometry::Vec3& point) const;
   [[nodiscard]] bool like_size(double a, double b) const;
   // Whether a box may be that of an object of `size_m` at `point`.
   [[nodiscard]] bool fits_size(std::size_t box, const geometry::Vec3& point, double size_m) const;
   [[nodiscard]] bool in_depth_range(std::size_t box, const geometry::Vec3& point) const;
-  // Frames in which the whole object should be inside the image.
-  [[nodiscard]] std::size_t visible_frames(const Candidate& candidate) const;
   // The map extent of a box's ray over its depth range.
   [[nodiscard]] std::pair<geometry::Vec3, geometry::Vec3> ends(std::size_t box) const;
 

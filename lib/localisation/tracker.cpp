@@ -10,6 +10,7 @@
 #include "camera/projection.hpp"
 #include "geometry/assignment.hpp"
 #include "localisation/association.hpp"
+#include "localisation/bounding_cylinder.hpp"
 #include "localisation/triangulation.hpp"
 
 namespace cairn::localisation {
@@ -19,6 +20,8 @@ using geometry::PixelBox;
 using geometry::Vec3;
 using survey::TargetState;
 
+constexpr double kTrackGate =
+    2.0;  // times the gate: a box of the same track that is farther off belongs to another thing
 constexpr double kEnlargementShare = 0.02;  // robust: at least this share of the box on each side (papers.md, 2.11)
 
 double yaw_of(const geometry::RigidTransform& pose) {
@@ -30,16 +33,8 @@ PixelBox enlarged(const PixelBox& box, double by_x, double by_y) {
   return {box.xmin - by_x, box.ymin - by_y, box.xmax + by_x, box.ymax + by_y};
 }
 
-Sighting sighting_of(const PreparedBoxes& prepared, const Box& box) {
-  return {&prepared.frames[box.frame], box.centre_px, box.sigma_px, box.cut};
-}
-
 double size_of(const Box& box, const View& view, const Vec3& at) {
   return box.diagonal_px() * std::max(0.0, view.to_camera(at).z()) / view.fx_px;
-}
-
-bool live(const LiveTarget& target) {
-  return target.state != TargetState::deregistered;
 }
 
 void note(LiveTarget& target, const std::string& reason) {
@@ -98,7 +93,20 @@ LiveTarget PointsTracker::generate(survey::TargetId id, std::size_t box_index) c
   target.keyframes.push_back(box.frame);
   target.size_m = size_of(box, frame.view, target.gaussian.mean);
   if (const auto h = differential_entropy(target.gaussian.covariance)) target.entropy_nats.push_back(*h);
+  enter(target, TargetState::generated, box.frame);
   return target;
+}
+
+void PointsTracker::enter(LiveTarget& target, TargetState state, std::size_t frame) const {
+  target.state = state;
+  target.history.push_back({state, prepared_.frames[frame].id});
+}
+
+void PointsTracker::give_up(LiveTarget& target, const std::string& reason, std::size_t frame) const {
+  enter(target, TargetState::deregistered, frame);
+  note(target, reason);
+  target.cylinder = bounding_cylinder(target.points);
+  target.points = Points(0, 3);  // hundreds of false boxes must not hold 2000 points each
 }
 
 void PointsTracker::update(LiveTarget& target, std::size_t box_index) const {
@@ -131,18 +139,45 @@ void PointsTracker::update(LiveTarget& target, std::size_t box_index) const {
   target.divergence.push_back(*change);
   target.settled = *change < options_.divergence_converged ? target.settled + 1 : 0;
   if (target.state == TargetState::generated && *entropy < options_.entropy_converging_nats)
-    target.state = TargetState::converging;
+    enter(target, TargetState::converging, box.frame);
   if (target.state == TargetState::converging && target.settled >= options_.divergence_updates)
-    target.state = TargetState::converged;
+    enter(target, TargetState::converged, box.frame);
 }
 
-bool PointsTracker::passes_gates(const LiveTarget& target, const Box& box) const {
-  if (target.object_class != box.object_class) return false;
-  if (mode_ == Mode::paper) return true;
-  const auto d2 = squared_distance(sighting_of(prepared_, box), target.gaussian.mean, target.gaussian.covariance);
-  if (!d2 || *d2 > options_.mahalanobis_gate * options_.mahalanobis_gate) return false;
-  const double size = size_of(box, prepared_.frames[box.frame].view, target.gaussian.mean);
-  return size <= target.size_m * options_.size_ratio && size * options_.size_ratio >= target.size_m;
+std::vector<double> PointsTracker::scores(const LiveTarget& target, const FrameView& frame) const {
+  std::vector<std::size_t> candidates;
+  std::vector<PixelBox> boxes;
+  std::vector<double> score(frame.boxes.size(), 0.0);
+  const auto add = [&](std::size_t b) {
+    candidates.push_back(b);
+    boxes.push_back(prepared_.boxes[frame.boxes[b]].ideal);
+  };
+  const survey::TrackId track = prepared_.boxes[target.boxes.back()].track;
+  std::size_t own = frame.boxes.size();
+  if (mode_ == Mode::paper) {
+    for (std::size_t b = 0; b < frame.boxes.size(); ++b)
+      if (prepared_.boxes[frame.boxes[b]].object_class == target.object_class) add(b);
+  } else {
+    const auto at = appearance(frame, target.gaussian.mean, target.gaussian.covariance);
+    if (!at) return score;
+    const double gate2 = options_.mahalanobis_gate * options_.mahalanobis_gate;
+    for (std::size_t b = 0; b < frame.boxes.size(); ++b) {
+      const Box& box = prepared_.boxes[frame.boxes[b]];
+      if (box.object_class != target.object_class) continue;
+      const bool same = track.valid() && box.track == track;
+      const double d2 = squared_distance(*at, box.centre_px, box.sigma_px);
+      if (d2 > (same ? kTrackGate * kTrackGate : 1.0) * gate2) continue;
+      const double size = box.diagonal_px() * at->depth_m / frame.view.fx_px;
+      if (size > target.size_m * options_.size_ratio || size * options_.size_ratio < target.size_m) continue;
+      if (same) own = b;
+      add(b);
+    }
+  }
+  if (candidates.empty()) return score;
+  const auto counts = count_inside(target.points, frame.view, boxes, mode_ == Mode::robust);
+  for (std::size_t c = 0; c < candidates.size(); ++c) score[candidates[c]] = static_cast<double>(counts[c]);
+  if (own < score.size()) score[own] += static_cast<double>(options_.points_per_target);
+  return score;
 }
 
 bool PointsTracker::should_be_visible(const LiveTarget& target, const FrameView& frame) const {
@@ -155,69 +190,65 @@ bool PointsTracker::should_be_visible(const LiveTarget& target, const FrameView&
 }
 
 // A19, with "mapped" read as "converged earlier": offline nothing is mapped in between.
-void PointsTracker::check_duplicate(LiveTarget& target) {
-  for (const auto& other : targets_) {
+void PointsTracker::check_duplicate(LiveTarget& target, std::size_t frame) {
+  for (const std::size_t t : active_) {
+    const LiveTarget& other = targets_[t];
     if (other.id == target.id || other.state != TargetState::converged || other.object_class != target.object_class)
       continue;
     if ((other.gaussian.mean - target.gaussian.mean).norm() >= options_.target_spacing_m) continue;
-    target.state = TargetState::deregistered;
-    note(target, "duplicate_of_" + std::to_string(other.id.value));
+    give_up(target, "duplicate_of_" + std::to_string(other.id.value), frame);
     return;
   }
 }
 
 void PointsTracker::step(std::size_t frame_index) {
   const FrameView& frame = prepared_.frames[frame_index];
-  std::vector<std::size_t> active;
-  for (std::size_t t = 0; t < targets_.size(); ++t)
-    if (live(targets_[t])) active.push_back(t);
+  const std::size_t count = frame.boxes.size();
+  std::erase_if(active_, [this](std::size_t t) { return targets_[t].state == TargetState::deregistered; });
 
-  std::vector<PixelBox> boxes;
-  for (const std::size_t b : frame.boxes) boxes.push_back(prepared_.boxes[b].ideal);
-
-  // Scores (A11). Targets whose sphere lies behind the camera cannot score.
-  std::vector<double> score(active.size() * boxes.size(), 0.0);
-  if (!boxes.empty()) {
+  // Scores (A11), and the targets that have any: the others need no assignment.
+  std::vector<std::vector<double>> scores_of(active_.size());
+  if (count > 0) {
     constexpr std::size_t kGrain = 8;  // targets: about 20 us of work each
-    base::parallel_for(active.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t a = begin; a < end; ++a) {
-        const LiveTarget& target = targets_[active[a]];
-        std::vector<std::size_t> candidates;
-        std::vector<PixelBox> candidate_boxes;
-        for (std::size_t b = 0; b < boxes.size(); ++b)
-          if (passes_gates(target, prepared_.boxes[frame.boxes[b]])) {
-            candidates.push_back(b);
-            candidate_boxes.push_back(boxes[b]);
-          }
-        if (candidates.empty()) continue;
-        const auto counts = count_inside(target.points, frame.view, candidate_boxes, mode_ == Mode::robust);
-        for (std::size_t c = 0; c < candidates.size(); ++c)
-          score[a * boxes.size() + candidates[c]] = static_cast<double>(counts[c]);
-      }
+    base::parallel_for(active_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t a = begin; a < end; ++a) scores_of[a] = scores(targets_[active_[a]], frame);
     });
   }
+  std::vector<std::size_t> rows;
+  std::vector<double> score;
+  for (std::size_t a = 0; a < active_.size(); ++a) {
+    if (std::none_of(scores_of[a].begin(), scores_of[a].end(), [](double s) { return s > 0.0; })) continue;
+    rows.push_back(a);
+    score.insert(score.end(), scores_of[a].begin(), scores_of[a].end());
+  }
   const double least = options_.min_points_fraction * static_cast<double>(options_.points_per_target);
-  const auto pairs = associate(score, active.size(), boxes.size(), least);
+  const auto pairs = associate(score, rows.size(), count, least);
+  std::vector<std::size_t> box_of(active_.size(), geometry::kUnassigned);
+  for (std::size_t r = 0; r < rows.size(); ++r) box_of[rows[r]] = pairs[r];
 
-  std::vector<bool> taken(boxes.size(), false);
-  for (std::size_t a = 0; a < active.size(); ++a) {
-    LiveTarget& target = targets_[active[a]];
-    if (pairs[a] != geometry::kUnassigned) {
-      taken[pairs[a]] = true;
-      const bool was_converged = target.state == TargetState::converged;
-      update(target, frame.boxes[pairs[a]]);
-      if (mode_ == Mode::paper && !was_converged && target.state == TargetState::converged) check_duplicate(target);
+  std::vector<bool> taken(count, false), was_converged(active_.size(), false);
+  for (std::size_t a = 0; a < active_.size(); ++a) {
+    was_converged[a] = targets_[active_[a]].state == TargetState::converged;
+    if (box_of[a] != geometry::kUnassigned) taken[box_of[a]] = true;
+  }
+  base::parallel_for(rows.size(), 2, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t r = begin; r < end; ++r)
+      if (pairs[r] != geometry::kUnassigned) update(targets_[active_[rows[r]]], frame.boxes[pairs[r]]);
+  });
+  for (std::size_t a = 0; a < active_.size(); ++a) {
+    LiveTarget& target = targets_[active_[a]];
+    if (box_of[a] != geometry::kUnassigned) {
+      if (mode_ == Mode::paper && !was_converged[a] && target.state == TargetState::converged)
+        check_duplicate(target, frame_index);
       continue;
     }
-    if (target.state == TargetState::converged) continue;
+    if (was_converged[a]) continue;
     if (mode_ == Mode::robust && !should_be_visible(target, frame)) continue;
-    if (++target.misses >= options_.missing_iterations) {
-      target.state = TargetState::deregistered;
-      note(target, "missed");
-    }
+    if (++target.misses >= options_.missing_iterations) give_up(target, "missed", frame_index);
   }
-  for (std::size_t b = 0; b < boxes.size(); ++b) {
+  for (std::size_t b = 0; b < count; ++b) {
     if (taken[b]) continue;
+    active_.push_back(targets_.size());
     targets_.push_back(generate(survey::TargetId(static_cast<std::int64_t>(targets_.size()) + 1), frame.boxes[b]));
   }
 }

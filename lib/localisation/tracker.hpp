@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -22,13 +23,15 @@ struct LiveTarget {
   survey::TargetState state = survey::TargetState::generated;
   std::vector<std::size_t> boxes{};      // indices into PreparedBoxes::boxes, in order of association
   std::vector<std::size_t> keyframes{};  // indices into PreparedBoxes::frames
-  Points points{};
+  Points points{};                       // none once it is deregistered: `cylinder` was taken before
   Gaussian gaussian{};
   double size_m = 0.0;  // box diagonal x depth / focal length, mean over the boxes
   std::vector<double> entropy_nats{}, divergence{};
   std::vector<std::string> reasons{};
   std::int64_t misses = 0;   // in a row
   std::int64_t settled = 0;  // updates in a row with a small divergence
+  std::vector<survey::StageEntry> history{};
+  std::optional<geometry::VerticalCylinder> cylinder{};  // of the last points, where they were given up
 
   base::Random random;
 };
@@ -53,11 +56,17 @@ class PointsTracker {
   void update(LiveTarget& target, std::size_t box) const;
 
   [[nodiscard]] const std::vector<LiveTarget>& targets() const { return targets_; }
+  // Number of targets that hold points.
+  [[nodiscard]] std::size_t active() const { return active_.size(); }
 
  private:
-  [[nodiscard]] bool passes_gates(const LiveTarget& target, const Box& box) const;
+  // How well the frame's boxes fit a target: 0 = not at all. Counts of points (A11); in robust gated, and a box of the
+  // track that gave the target its last box comes before all others while geometry does not contradict.
+  [[nodiscard]] std::vector<double> scores(const LiveTarget& target, const FrameView& frame) const;
   [[nodiscard]] bool should_be_visible(const LiveTarget& target, const FrameView& frame) const;
-  void check_duplicate(LiveTarget& target);
+  void check_duplicate(LiveTarget& target, std::size_t frame);
+  void give_up(LiveTarget& target, const std::string& reason, std::size_t frame) const;
+  void enter(LiveTarget& target, survey::TargetState state, std::size_t frame) const;
 
   const PreparedBoxes& prepared_;
   const DepthPrior& depth_;
@@ -66,6 +75,7 @@ class PointsTracker {
   Mode mode_;
   UpdateOptions update_options_;
   std::vector<LiveTarget> targets_;  // all ever made, in order of id
+  std::vector<std::size_t> active_;  // indices of those not deregistered, ascending
 };
 
 // Radius of the sphere about the mean that holds about all points [m].

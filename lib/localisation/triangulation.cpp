@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace cairn::localisation {
 namespace {
@@ -16,6 +17,7 @@ using geometry::Vec3;
 using Jacobian = Eigen::Matrix<double, 2, 3>;
 
 constexpr std::size_t kMostPairs = 60;
+constexpr std::size_t kMostForStart = 64;  // sightings: more do not make the start better
 constexpr int kSteps = 25;
 constexpr double kStepTolerance = 1e-9;    // m
 constexpr double kHuber = 1.345;           // sigmas: 95 % efficiency for normal errors
@@ -28,27 +30,35 @@ struct Residual {
   Mat2 covariance;
 };
 
-// Residual of a sighting at a point, with the errors of box and pose.
-std::optional<Residual> residual(const Sighting& s, const Vec3& point) {
-  const View& view = s.frame->view;
+// Pixel of a point, its derivative, and what the pose's errors do to it.
+std::optional<Residual> projected(const FrameView& frame, const Vec3& point) {
+  const View& view = frame.view;
   const Vec3 p = view.to_camera(point);
   if (!(p.z() > 0.0)) return std::nullopt;
   Residual r;
-  r.value = Vec2(view.fx_px * p.x() / p.z() + view.cx_px, view.fy_px * p.y() / p.z() + view.cy_px) - s.centre_px;
+  r.value = Vec2(view.fx_px * p.x() / p.z() + view.cx_px, view.fy_px * p.y() / p.z() + view.cy_px);
   r.jacobian = view.jacobian(p);
-  const Vec3 position(s.frame->sigma_xy_m * s.frame->sigma_xy_m, s.frame->sigma_xy_m * s.frame->sigma_xy_m,
-                      s.frame->sigma_z_m * s.frame->sigma_z_m);
-  r.covariance = s.sigma_px.cwiseAbs2().asDiagonal();
-  r.covariance += r.jacobian * position.asDiagonal() * r.jacobian.transpose();
-  if (s.frame->sigma_rot_rad > 0.0) {
+  const Vec3 position(frame.sigma_xy_m * frame.sigma_xy_m, frame.sigma_xy_m * frame.sigma_xy_m,
+                      frame.sigma_z_m * frame.sigma_z_m);
+  r.covariance = r.jacobian * position.asDiagonal() * r.jacobian.transpose();
+  if (frame.sigma_rot_rad > 0.0) {
     // A turn of the camera by w moves the point by w x (point - centre).
     const Vec3 arm = point - view.T_world_camera.translation;
     Mat3 cross;
     cross << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
     const Jacobian turn = r.jacobian * cross;
-    r.covariance += s.frame->sigma_rot_rad * s.frame->sigma_rot_rad * turn * turn.transpose();
+    r.covariance += frame.sigma_rot_rad * frame.sigma_rot_rad * turn * turn.transpose();
   }
   if (!r.value.allFinite() || !r.covariance.allFinite()) return std::nullopt;
+  return r;
+}
+
+// Residual of a sighting at a point, with the errors of box and pose.
+std::optional<Residual> residual(const Sighting& s, const Vec3& point) {
+  auto r = projected(*s.frame, point);
+  if (!r) return std::nullopt;
+  r->value -= s.centre_px;
+  r->covariance += s.sigma_px.cwiseAbs2().asDiagonal();
   return r;
 }
 
@@ -127,6 +137,47 @@ std::optional<Solution> solve(std::span<const Sighting> sightings, const std::ve
 
 }  // namespace
 
+std::optional<Appearance> appearance(const FrameView& frame, const Vec3& point, const Mat3& covariance) {
+  const auto r = projected(frame, point);
+  if (!r) return std::nullopt;
+  Appearance at{r->value, r->covariance + r->jacobian * covariance * r->jacobian.transpose(),
+                frame.view.to_camera(point).z()};
+  if (!at.covariance.allFinite()) return std::nullopt;
+  return at;
+}
+
+double squared_distance(const Appearance& at, const Vec2& centre_px, const Vec2& sigma_px) {
+  Mat2 covariance = at.covariance;
+  covariance.diagonal() += sigma_px.cwiseAbs2();
+  return squared_norm(at.pixel - centre_px, covariance).value_or(std::numeric_limits<double>::infinity());
+}
+
+double widest_angle(std::span<const Vec3> directions) {
+  constexpr std::size_t kExact = 64;
+  constexpr int kSweeps = 4;
+  const auto angle = [](const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); };
+  double widest = 0.0;
+  if (directions.size() <= kExact) {
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      for (std::size_t j = i + 1; j < directions.size(); ++j)
+        widest = std::max(widest, angle(directions[i], directions[j]));
+    return widest;
+  }
+  std::size_t from = 0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    std::size_t farthest = from;
+    double least = 2.0;
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      if (const double dot = directions[from].dot(directions[i]); dot < least) {
+        least = dot;
+        farthest = i;
+      }
+    widest = std::max(widest, angle(directions[from], directions[farthest]));
+    from = farthest;
+  }
+  return widest;
+}
+
 std::optional<double> squared_distance(const Sighting& sighting, const Vec3& point, const Mat3& covariance) {
   const auto r = residual(sighting, point);
   if (!r) return std::nullopt;
@@ -157,10 +208,14 @@ std::optional<Meeting> intersect(const Sighting& a, const Sighting& b) {
   return meeting;
 }
 
-std::optional<Triangulation> triangulate(std::span<const Sighting> sightings, const TriangulationOptions& options) {
-  const std::size_t n = sightings.size();
+std::optional<Triangulation> triangulate(std::span<const Sighting> all, const TriangulationOptions& options) {
   const std::size_t least = std::max<std::size_t>(2, options.least);
-  if (n < least) return std::nullopt;
+  if (all.size() < least) return std::nullopt;
+  std::vector<Sighting> some;
+  if (all.size() > kMostForStart)
+    for (std::size_t i = 0; i < kMostForStart; ++i) some.push_back(all[i * (all.size() - 1) / (kMostForStart - 1)]);
+  const std::span<const Sighting> sightings = some.empty() ? all : std::span<const Sighting>(some);
+  const std::size_t n = sightings.size();
 
   // Best of the pair intersections.
   const std::size_t pairs = n * (n - 1) / 2;
@@ -186,7 +241,7 @@ std::optional<Triangulation> triangulate(std::span<const Sighting> sightings, co
       }
     }
   if (!start) return std::nullopt;
-  return triangulate_from(*start, sightings, options);
+  return triangulate_from(*start, all, options);
 }
 
 std::optional<Triangulation> triangulate_from(const Vec3& start, std::span<const Sighting> sightings,
@@ -219,10 +274,7 @@ std::optional<Triangulation> triangulate_from(const Vec3& start, std::span<const
   }
   if (whole(sightings, inlier) < least) return std::nullopt;
   result.rms_px = std::sqrt(squares / static_cast<double>(result.inliers));
-  for (std::size_t i = 0; i < directions.size(); ++i)
-    for (std::size_t j = i + 1; j < directions.size(); ++j)
-      result.parallax_rad = std::max(
-          result.parallax_rad, std::atan2(directions[i].cross(directions[j]).norm(), directions[i].dot(directions[j])));
+  result.parallax_rad = widest_angle(directions);
   return result;
 }
 

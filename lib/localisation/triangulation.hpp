@@ -33,16 +33,35 @@ struct Triangulation {
   double parallax_rad = 0.0;  // largest angle between two inlier rays
 };
 
+// Where a point appears in a frame, and the covariance of that place from the point's own and the pose's [px^2].
+struct Appearance {
+  geometry::Vec2 pixel = geometry::Vec2::Zero();
+  geometry::Mat2 covariance = geometry::Mat2::Zero();
+  double depth_m = 0.0;
+};
+
+// Empty where the point lies behind the camera or nothing finite comes out.
+[[nodiscard]] std::optional<Appearance> appearance(const FrameView& frame, const geometry::Vec3& point,
+                                                   const geometry::Mat3& covariance);
+
+// Squared distance [sigma^2] of a box centre with the given standard deviations; infinite where singular.
+[[nodiscard]] double squared_distance(const Appearance& at, const geometry::Vec2& centre_px,
+                                      const geometry::Vec2& sigma_px);
+
 // Squared distance [sigma^2] between a sighting and the projection of a point with the given covariance
 // (zero = the point is exact). Empty where the point lies behind the camera.
 [[nodiscard]] std::optional<double> squared_distance(const Sighting& sighting, const geometry::Vec3& point,
                                                      const geometry::Mat3& covariance);
 
-// Robust least squares in pixels. Start: of all pairs of sightings (at most 60, spread evenly) the
-// intersection that most sightings agree with, its own uncertainty allowed for; then Gauss-Newton with Huber's weights
-// on those, twice re-selected by the gate. Each sighting's error is sigma_px plus the camera's position and rotation
-// errors, taken as independent between frames. Empty where fewer than `least` agree, or the rays are so nearly parallel
-// that the normal matrix is singular.
+// Largest angle [rad] between two of the unit directions. Exact up to 64 of them; beyond, between the farthest found
+// in four sweeps from the last farthest: exact on an arc, a little small at worst. Cost linear.
+[[nodiscard]] double widest_angle(std::span<const geometry::Vec3> directions);
+
+// Robust least squares in pixels. Start: of all pairs of sightings (at most 60 pairs of at most 64 sightings, spread
+// evenly) the intersection that most sightings agree with, its own uncertainty allowed for; then Gauss-Newton with
+// Huber's weights on those, twice re-selected by the gate. Each sighting's error is sigma_px plus the camera's position
+// and rotation errors, taken as independent between frames. Empty where fewer than `least` agree, or the rays are so
+// nearly parallel that the normal matrix is singular.
 [[nodiscard]] std::optional<Triangulation> triangulate(std::span<const Sighting> sightings,
                                                        const TriangulationOptions& options);
 

@@ -58,14 +58,4 @@ std::optional<survey::Camera> dji_camera(const io::ImageMetadata& metadata, bool
   return c;
 }
 
-survey::Camera turned_half(const survey::Camera& camera) {
-  survey::Camera turned = camera;
-  turned.cx_px = static_cast<double>(camera.width_px) - camera.cx_px;
-  turned.cy_px = static_cast<double>(camera.height_px) - camera.cy_px;
-  // With both axes reversed the radial part is unchanged and the quadratic tangential part changes sign.
-  turned.p1 = -camera.p1;
-  turned.p2 = -camera.p2;
-  return turned;
-}
-
 }  // namespace cairn::pipeline

@@ -108,7 +108,7 @@ class Cameras {
   survey::CameraId id_of(survey::Camera camera, const io::ImageMetadata& m, bool turned) {
     camera.name = m.make + " " + m.model;
     if (turned) {
-      survey::Camera half = turned_half(camera);
+      survey::Camera half = camera::turned_half(camera);
       if (!(half == camera)) half.name += ", turned by 180 degrees";
       camera = half;
     }

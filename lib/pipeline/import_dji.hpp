@@ -47,7 +47,4 @@ inline constexpr double kGnssSigmaXyM = 3.0, kBarometerSigmaZM = 1.0, kGimbalSig
 // where it came from. Id and name are left to the caller.
 [[nodiscard]] std::optional<survey::Camera> dji_camera(const io::ImageMetadata& metadata, bool& from_dewarp);
 
-// The camera as seen by an image turned by 180 degrees: principal point and tangential terms mirrored.
-[[nodiscard]] survey::Camera turned_half(const survey::Camera& camera);
-
 }  // namespace cairn::pipeline

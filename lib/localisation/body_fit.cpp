@@ -1,0 +1,428 @@
+#include "localisation/body_fit.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "base/angle.hpp"
+#include "base/parallel.hpp"
+#include "geometry/enclosing_circle.hpp"
+#include "localisation/body_solver.hpp"
+
+namespace cairn::localisation {
+namespace {
+
+using geometry::Mat2;
+using geometry::Mat3;
+using geometry::PixelBox;
+using geometry::Vec2;
+using geometry::Vec3;
+using survey::Target;
+using Mat4 = Eigen::Matrix4d;
+
+struct SeenBox {
+  std::int64_t time_ns = 0;
+  survey::FrameId frame;
+  BoxPlanes planes;
+  double side_variance = 1.0;  // px^2, assumed
+  Mat2 pose = Mat2::Zero();    // of the box's place by the pose, px^2, assumed
+  double reach_m = 0.0;        // half the box's mean side at the target's depth
+  bool whole = true;
+};
+
+struct Noise {
+  double box = 1.0, pose = 1.0;  // factors on the assumed sigmas
+};
+
+struct Work {
+  std::size_t target = 0;  // index
+  std::vector<SeenBox> boxes;
+  Body start;
+  BodySolution solution;
+  std::string reason;
+};
+
+constexpr std::array<int, 4> kAxis{0, 1, 0, 1};  // u or v of a side
+
+// Rotation of the camera by w moves the point by w x (point - camera).
+Mat2 pose_covariance(const View& view, const Vec3& at, double sigma_xy, double sigma_z, double sigma_rot) {
+  const auto j = view.jacobian(view.to_camera(at));
+  const Vec3 variance(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z);
+  const Vec3 arm = at - view.T_world_camera.translation;
+  Mat3 cross;
+  cross << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
+  const Eigen::Matrix<double, 2, 3> turn = j * cross;
+  return j * variance.asDiagonal() * j.transpose() + sigma_rot * sigma_rot * turn * turn.transpose();
+}
+
+Mat4 side_covariance(const SeenBox& box, const Noise& noise) {
+  Mat4 c;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      c(i, j) =
+          (i == j ? noise.box * noise.box * box.side_variance : 0.0) +
+          noise.pose * noise.pose * box.pose(kAxis[static_cast<std::size_t>(i)], kAxis[static_cast<std::size_t>(j)]);
+  return c;
+}
+
+// Inverse of the lower Cholesky factor over the used sides; zero elsewhere.
+Mat4 whitener(const BoxPlanes& planes, const Mat4& covariance) {
+  std::vector<int> used;
+  for (int i = 0; i < 4; ++i)
+    if (planes.used[static_cast<std::size_t>(i)]) used.push_back(i);
+  const auto n = static_cast<Eigen::Index>(used.size());
+  Eigen::MatrixXd sub(n, n);
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j < n; ++j)
+      sub(i, j) = covariance(used[static_cast<std::size_t>(i)], used[static_cast<std::size_t>(j)]);
+  const Eigen::MatrixXd inverse = sub.llt().matrixL().solve(Eigen::MatrixXd(Eigen::MatrixXd::Identity(n, n)));
+  Mat4 result = Mat4::Zero();
+  for (Eigen::Index i = 0; i < n; ++i)
+    for (Eigen::Index j = 0; j <= i; ++j)
+      result(used[static_cast<std::size_t>(i)], used[static_cast<std::size_t>(j)]) = inverse(i, j);
+  return result;
+}
+
+// The line of the ideal image that a side is nearest its middle, where the body touches it.
+std::optional<PixelBox> ideal_sides(const survey::Camera& camera, const PixelBox& b) {
+  if (camera.model == survey::CameraModel::pinhole) return b;
+  const Vec2 c = b.centre();
+  const auto left = undistorted(camera, Vec2(b.xmin, c.y())), right = undistorted(camera, Vec2(b.xmax, c.y()));
+  const auto top = undistorted(camera, Vec2(c.x(), b.ymin)), bottom = undistorted(camera, Vec2(c.x(), b.ymax));
+  if (!left || !right || !top || !bottom) return std::nullopt;
+  return PixelBox{left->x(), top->y(), right->x(), bottom->y()};
+}
+
+std::optional<SeenBox> see(const survey::Survey& survey, const survey::Detection& d, const Vec3& centre,
+                           const BodyFitOptions& options) {
+  const auto* frame = survey.frame(d.frame);
+  const auto* camera = frame != nullptr ? survey.camera(frame->camera) : nullptr;
+  const auto finite = [](const PixelBox& b) {
+    return std::isfinite(b.xmin) && std::isfinite(b.ymin) && std::isfinite(b.xmax) && std::isfinite(b.ymax);
+  };
+  if (camera == nullptr || !finite(d.box) || !(d.box.width() > 0.0 && d.box.height() > 0.0)) return std::nullopt;
+  if (!frame->T_world_camera.rotation.allFinite() || !frame->T_world_camera.translation.allFinite())
+    return std::nullopt;
+  const auto ideal = ideal_sides(*camera, d.box);
+  if (!ideal || !finite(*ideal) || !(ideal->width() > 0.0 && ideal->height() > 0.0)) return std::nullopt;
+
+  const View view = ideal_view(*camera, frame->T_world_camera);
+  const double depth = view.to_camera(centre).z();
+  if (!(depth > 0.0)) return std::nullopt;
+  SeenBox box;
+  box.time_ns = frame->time_ns;
+  box.frame = frame->id;
+  box.planes = box_planes(view, *ideal, centre);
+  const double margin = options.edge_margin_px;
+  box.planes.used = {d.box.xmin >= margin, d.box.ymin >= margin,
+                     d.box.xmax <= static_cast<double>(camera->width_px) - margin,
+                     d.box.ymax <= static_cast<double>(camera->height_px) - margin};
+  const auto used = std::count(box.planes.used.begin(), box.planes.used.end(), true);
+  if (used == 0) return std::nullopt;
+  box.whole = used == 4;
+  const double side = 0.5 * (ideal->width() + ideal->height());
+  box.side_variance = options.sigma_px * options.sigma_px + options.sigma_size * options.sigma_size * side * side;
+  const auto known = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0; };
+  box.pose = pose_covariance(
+      view, centre, options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_xy_m),
+      options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_z_m),
+      base::deg_to_rad(options.pose_sigma_deg >= 0.0 ? options.pose_sigma_deg : known(frame->sigma_rot_deg)));
+  box.reach_m = 0.25 * depth * (ideal->width() / view.fx_px + ideal->height() / view.fy_px);
+  return box;
+}
+
+double largest_parallax(const std::vector<SeenBox>& boxes) {
+  double largest = 0.0;
+  for (const auto& a : boxes)
+    for (const auto& b : boxes)
+      largest = std::max(
+          largest, std::atan2(a.planes.camera.cross(b.planes.camera).norm(), a.planes.camera.dot(b.planes.camera)));
+  return largest;
+}
+
+// The boxes of a target and where the fit starts.
+Work prepare(const Target& target, std::size_t index, const survey::Survey& survey, const BodyFitOptions& options) {
+  Work work;
+  work.target = index;
+  std::vector<double> reach;
+  for (const auto id : target.detections) {
+    const auto* d = survey.detection(id);
+    if (d == nullptr) continue;
+    if (auto box = see(survey, *d, target.centre, options)) {
+      if (box->whole) reach.push_back(box->reach_m);
+      work.boxes.push_back(std::move(*box));
+    }
+  }
+  std::stable_sort(work.boxes.begin(), work.boxes.end(), [](const SeenBox& a, const SeenBox& b) {
+    return a.time_ns != b.time_ns ? a.time_ns < b.time_ns : a.frame < b.frame;
+  });
+  if (work.boxes.size() < static_cast<std::size_t>(options.min_boxes) || reach.size() < 2) {
+    work.reason = "fit_too_few_boxes";
+    return work;
+  }
+  if (largest_parallax(work.boxes) < base::deg_to_rad(options.min_parallax_deg)) {
+    work.reason = "fit_one_direction";
+    return work;
+  }
+  std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2), reach.end());
+  work.start.ellipsoid[kLogRadius] = work.start.ellipsoid[kLogHalfHeight] = std::log(reach[reach.size() / 2]);
+  return work;
+}
+
+// What rocks are, by degree 3 to 6 of the harmonics: zonal ones (flat undersides, heads wider than feet), which go
+// together, and the others. docs/science/localisation.md says how these were measured.
+constexpr std::size_t kDegrees = 4;
+constexpr std::array<double, kDegrees> kZonalMean{0.0105, -0.0171, 0.0040, -0.0058};
+constexpr std::array<double, kDegrees> kZonalSigma{0.0270, 0.0194, 0.0095, 0.0046};
+constexpr std::array<std::array<double, kDegrees>, kDegrees> kZonalCorrelation{
+    {{1.0, -0.12, -0.73, 0.36}, {-0.12, 1.0, 0.33, -0.61}, {-0.73, 0.33, 1.0, -0.32}, {0.36, -0.61, -0.32, 1.0}}};
+constexpr std::array<double, kDegrees> kHarmonicSigma{0.0125, 0.0095, 0.0045, 0.0033};
+constexpr double kStretchSigma = 0.25;  // half the log of the ratio of the level axes
+constexpr double kHeightSigma = 0.4;    // log of half height over mean level semi-axis
+constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
+
+BodyPrior rock_prior(double radius) {
+  BodyPrior prior;
+  prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = kStretchSigma;
+  prior.sigma[kLogHalfHeight] = kHeightSigma;
+  prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = kLeanSigma * radius;
+  Eigen::Matrix4d zonal;
+  for (std::size_t i = 0; i < kDegrees; ++i)
+    for (std::size_t j = 0; j < kDegrees; ++j)
+      zonal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          kZonalSigma[i] * kZonalSigma[j] * kZonalCorrelation[i][j];
+  const Eigen::Matrix4d information = zonal.inverse();
+  const auto at = [](std::size_t degree, int m) {
+    return static_cast<Eigen::Index>(harmonic_index(kLeastDegree + static_cast<int>(degree), m));
+  };
+  for (std::size_t i = 0; i < kDegrees; ++i) {
+    const int l = kLeastDegree + static_cast<int>(i);
+    prior.harmonic_mean[at(i, 0)] = kZonalMean[i];
+    for (std::size_t j = 0; j < kDegrees; ++j)
+      prior.harmonic_information(at(i, 0), at(j, 0)) =
+          information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    for (int m = -l; m <= l; ++m)
+      if (m != 0) prior.harmonic_information(at(i, m), at(i, m)) = 1.0 / (kHarmonicSigma[i] * kHarmonicSigma[i]);
+  }
+  return prior;
+}
+
+void solve(Work& work, const Noise& noise, const BodyFitOptions& options) {
+  if (!work.reason.empty()) return;
+  std::vector<BoxPlanes> planes;
+  for (auto& box : work.boxes) {
+    box.planes.whitener = whitener(box.planes, side_covariance(box, noise));
+    planes.push_back(box.planes);
+  }
+  work.solution =
+      solve_body(planes, work.start, rock_prior(std::exp(work.start.ellipsoid[kLogRadius])), options.loss_scale);
+}
+
+// What the residuals of all targets say about the assumed sigmas: the width and height of a box do not depend on the
+// pose, its place does. The part of the residuals that the fit has absorbed is allowed for.
+Noise observed_noise(const std::vector<Work>& works, const Noise& assumed) {
+  double size_seen = 0.0, size_expected = 0.0, place_seen = 0.0, place_box = 0.0, place_pose = 0.0, absorbed = 0.0;
+  for (const auto& work : works) {
+    const auto& s = work.solution;
+    if (!work.reason.empty() || !s.failure.empty()) continue;
+    const BodyMatrix covariance = s.normal.llt().solve(BodyMatrix::Identity());
+    for (std::size_t i = 0; i < work.boxes.size(); ++i) {
+      if (!work.boxes[i].whole || s.weight[i] < 0.5) continue;
+      const double side = assumed.box * assumed.box * work.boxes[i].side_variance;
+      const Mat4 fitted = s.jacobian[i] * covariance * s.jacobian[i].transpose();
+      for (int a = 0; a < 2; ++a) {
+        Eigen::Vector4d size = Eigen::Vector4d::Zero(), place = size;
+        size[a] = -1.0;
+        size[a + 2] = 1.0;
+        place[a] = place[a + 2] = 0.5;
+        const double ds = size.dot(s.residual[i]), dp = place.dot(s.residual[i]);
+        size_seen += ds * ds / side;
+        size_expected += 2.0 - size.dot(fitted * size) / side;
+        place_seen += dp * dp;
+        absorbed += place.dot(fitted * place);
+        place_box += 0.5 * side;
+        place_pose += assumed.pose * assumed.pose * work.boxes[i].pose(a, a);
+      }
+    }
+  }
+  constexpr double kLeast = 0.05, kMost = 20.0, kLeastRedundancy = 20.0;
+  Noise noise = assumed;
+  if (size_expected < kLeastRedundancy) return noise;
+  const double box2 = size_seen / size_expected;
+  noise.box *= std::sqrt(std::clamp(box2, kLeast * kLeast, kMost * kMost));
+  if (place_pose > 0.0) {
+    const double pose2 = (place_seen + absorbed - box2 * place_box) / place_pose;
+    noise.pose *= std::sqrt(std::clamp(pose2, 1e-4, kMost * kMost));
+  }
+  return noise;
+}
+
+// The smallest upright cylinder around a body, relative to its origin.
+geometry::VerticalCylinder cylinder_of(const Body& body) {
+  // A support's derivative along the angle is how far its point of contact lies to the side.
+  constexpr int kDirections = 60;
+  constexpr double kTurn = 2.0 * std::numbers::pi / kDirections;
+  std::array<double, kDirections> h;
+  const auto along = [](int i) { return Vec2(std::cos(kTurn * i), std::sin(kTurn * i)); };
+  for (int i = 0; i < kDirections; ++i) {
+    const Vec2 u = along(i);
+    h[static_cast<std::size_t>(i)] = body.support(Vec3(u.x(), u.y(), 0.0));
+  }
+  const auto at = [&](int i) { return h[static_cast<std::size_t>((i + kDirections) % kDirections)]; };
+  std::vector<Vec2> touched;
+  for (int i = 0; i < kDirections; ++i) {
+    const double aside = (8.0 * (at(i + 1) - at(i - 1)) - (at(i + 2) - at(i - 2))) / (12.0 * kTurn);
+    const Vec2 u = along(i);
+    touched.push_back(at(i) * u + aside * Vec2(-u.y(), u.x()));
+  }
+  const auto circle = geometry::smallest_enclosing_circle(touched);
+  geometry::VerticalCylinder cylinder;
+  cylinder.axis = circle.centre + Vec2(body.ellipsoid[kCentreEast], body.ellipsoid[kCentreNorth]);
+  cylinder.radius = circle.radius;
+  cylinder.bottom = body.ellipsoid[kCentreUp] - body.support(Vec3(0.0, 0.0, -1.0));
+  cylinder.top = body.ellipsoid[kCentreUp] + body.support(Vec3(0.0, 0.0, 1.0));
+  return cylinder;
+}
+
+Body moved(const Body& body, const BodyVector& by) {
+  Body result = body;
+  for (std::size_t i = 0; i < kEllipsoidParameters; ++i) result.ellipsoid[i] += by[static_cast<Eigen::Index>(i)];
+  for (std::size_t i = 0; i < kHarmonics; ++i)
+    result.harmonic[i] += by[static_cast<Eigen::Index>(kEllipsoidParameters + i)];
+  return result;
+}
+
+// Covariance of the cylinder's centre from that of the parameters: differences over one sigma along each column of its
+// root, because the smallest circle is only piecewise smooth.
+Mat3 centre_covariance(const Body& body, const BodyMatrix& covariance) {
+  const BodyMatrix root = covariance.llt().matrixL();
+  Mat3 result = Mat3::Zero();
+  for (Eigen::Index i = 0; i < root.cols(); ++i) {
+    const Vec3 d =
+        0.5 * (cylinder_of(moved(body, root.col(i))).centre() - cylinder_of(moved(body, -root.col(i))).centre());
+    result += d * d.transpose();
+  }
+  return result;
+}
+
+void finish(const Work& work, const Noise&, const BodyFitOptions&, Target& target) {
+  const auto& s = work.solution;
+  const std::string& reason = work.reason.empty() ? s.failure : work.reason;
+  if (!reason.empty()) {
+    target.reasons.push_back(reason);
+    return;
+  }
+  const Mat2 a = half_axis_matrix(s.body.ellipsoid.data());
+  const double half_height = std::exp(s.body.ellipsoid[kLogHalfHeight]);
+  survey::RefinedBody r;
+  r.cylinder = cylinder_of(s.body);
+  r.cylinder.axis += target.centre.head<2>();
+  r.cylinder.bottom += target.centre.z();
+  r.cylinder.top += target.centre.z();
+  r.centre = r.cylinder.centre();
+  r.covariance = centre_covariance(s.body, s.normal.llt().solve(BodyMatrix::Identity()));
+  const Eigen::SelfAdjointEigenSolver<Mat2> section(a);
+  const Vec2 axis = section.eigenvectors().col(1);
+  r.semi_axes_m = Vec3(section.eigenvalues()[1], section.eigenvalues()[0], half_height);
+  double azimuth = base::rad_to_deg(std::atan2(axis.x(), axis.y()));
+  if (azimuth < 0.0) azimuth += 180.0;
+  if (azimuth >= 180.0) azimuth -= 180.0;
+  r.azimuth_deg = azimuth;
+  double squares = 0.0;
+  std::size_t sides = 0;
+  for (std::size_t i = 0; i < work.boxes.size(); ++i) {
+    if (s.weight[i] < 0.5) {
+      ++r.rejected_boxes;
+      continue;
+    }
+    ++r.boxes;
+    squares += s.residual[i].squaredNorm();
+    sides +=
+        static_cast<std::size_t>(std::count(work.boxes[i].planes.used.begin(), work.boxes[i].planes.used.end(), true));
+  }
+  r.rms_px = sides > 0 ? std::sqrt(squares / static_cast<double>(sides)) : 0.0;
+  if (!r.centre.allFinite() || !r.covariance.allFinite() || !std::isfinite(r.rms_px) ||
+      !std::isfinite(r.cylinder.radius) || !std::isfinite(r.cylinder.height())) {
+    target.reasons.emplace_back("fit_singular");
+    return;
+  }
+  target.refined = r;
+}
+
+}  // namespace
+
+void BodyFitOptions::visit(base::OptionVisitor& v) {
+  v.real("body-edge-margin-px", edge_margin_px, 0.0, 1e4, "joint fit: box sides nearer to the border are not used");
+  v.real("body-sigma-px", sigma_px, 0.01, 1e3, "joint fit: 1 sigma of a box side");
+  v.real("body-sigma-size", sigma_size, 0.0, 1.0, "joint fit: 1 sigma of a box side as a fraction of the box's side");
+  v.flag("body-assumed-noise", assumed_noise, "joint fit: keep the assumed errors instead of the residuals' own");
+  v.real("body-pose-sigma-m", pose_sigma_m, -1.0, 1e3, "joint fit: 1 sigma of a camera position; -1 = by frame");
+  v.real("body-pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "joint fit: 1 sigma of a camera rotation; -1 = by frame");
+  v.real("body-loss-scale", loss_scale, 0.5, 1e3, "joint fit: whitened residual at which a box has half its weight");
+  v.integer("body-min-boxes", min_boxes, 2, 1000, "joint fit: least boxes of a target");
+  v.real("body-min-parallax-deg", min_parallax_deg, 0.0, 180.0, "joint fit: least angle between two rays");
+}
+
+BoxPlanes box_planes(const View& view, const PixelBox& ideal, const Vec3& origin) {
+  BoxPlanes planes;
+  const Mat3& r = view.T_world_camera.rotation;
+  planes.camera = view.T_world_camera.translation - origin;
+  planes.forward = r.col(2);
+  planes.normal = {
+      r * Vec3(view.fx_px, 0.0, view.cx_px - ideal.xmin), r * Vec3(0.0, view.fy_px, view.cy_px - ideal.ymin),
+      r * Vec3(view.fx_px, 0.0, view.cx_px - ideal.xmax), r * Vec3(0.0, view.fy_px, view.cy_px - ideal.ymax)};
+  planes.used.fill(true);
+  return planes;
+}
+
+BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& survey, const BodyFitOptions& options,
+                            base::RunContext& ctx) {
+  BodyFitOptions checked = options;
+  base::validate(base::bind_options(checked), "locate");
+  std::vector<std::size_t> chosen;
+  for (std::size_t i = 0; i < targets.size(); ++i) {
+    targets[i].refined.reset();
+    if (targets[i].state == survey::TargetState::converged || targets[i].state == survey::TargetState::mapped)
+      chosen.push_back(i);
+  }
+  std::vector<Work> works(chosen.size());
+  const auto each = [&](const auto& body) {
+    ctx.check_stop();
+    base::parallel_for(works.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) body(i);
+    });
+  };
+  Noise noise;
+  each([&](std::size_t i) {
+    works[i] = prepare(targets[chosen[i]], chosen[i], survey, options);
+    solve(works[i], noise, options);
+  });
+  constexpr int kRounds = 3;
+  if (!options.assumed_noise)
+    for (int round = 0; round < kRounds; ++round) {
+      noise = observed_noise(works, noise);
+      each([&](std::size_t i) { solve(works[i], noise, options); });
+    }
+  BodyFitCounts counts;
+  counts.box_noise_scale = noise.box;
+  counts.pose_noise_scale = noise.pose;
+  for (const auto& work : works) {
+    Target& target = targets[work.target];
+    finish(work, noise, options, target);
+    if (!target.refined) {
+      ++counts.failed;
+      continue;
+    }
+    ++counts.fitted;
+    counts.boxes += target.refined->boxes;
+    counts.rejected_boxes += target.refined->rejected_boxes;
+  }
+  return counts;
+}
+
+}  // namespace cairn::localisation
