@@ -92,7 +92,7 @@ class Builder {
   void for_near_pairs(const Act& act) {
     sort_by_east();
     double widest = 0.0;
-    for (const auto& c : candidates_) widest = std::max(widest, c.size_m);
+    for (const auto& c : candidates_) widest = std::max(widest, c.size_m + wander(c));
     std::vector<bool> gone(candidates_.size(), false);
     for (std::size_t i = 0; i < candidates_.size(); ++i)
       for (std::size_t j = i + 1; j < candidates_.size() && !gone[i]; ++j) {
@@ -106,11 +106,18 @@ class Builder {
     candidates_ = std::move(kept);
   }
 
+  // How far the positions of a video may have wandered between two passes, 3 sigma [m]: errors of all frames of a pass
+  // in common, so that the fix's own covariance does not know them. The joint fit must still hold.
+  double wander(const Candidate& c) const {
+    return prepared_.video ? 3.0 * prepared_.frames[prepared_.boxes[c.boxes.front()].frame].sigma_xy_m : 0.0;
+  }
+
   void merge() {
     for_near_pairs([this](Candidate& a, Candidate& b) {
       const double distance = (a.fix.centre - b.fix.centre).norm();
       const double spread = 3.0 * std::sqrt(a.fix.covariance.trace() + b.fix.covariance.trace());
-      if (distance > std::max(std::max(a.size_m, b.size_m), spread) || share_frame(a, b)) return false;
+      const double limit = std::max({a.size_m, b.size_m, spread, wander(a), wander(b)});
+      if (distance > limit || share_frame(a, b)) return false;
       Candidate joined = a;
       joined.id = std::min(a.id, b.id);
       joined.boxes.insert(joined.boxes.end(), b.boxes.begin(), b.boxes.end());
