@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/parallel.hpp"
 #include "geometry/assignment.hpp"
 #include "localisation/pool_pairs.hpp"
 
@@ -23,6 +24,7 @@ class Builder {
 
   Consensus run(const std::vector<LiveTarget>& seeds) {
     result_.seed_of_box.resize(prepared_.boxes.size());
+    std::vector<Candidate> seeded;
     for (const auto& seed : seeds) {
       next_id_ = std::max(next_id_, seed.id.value + 1);
       for (const std::size_t b : seed.boxes) result_.seed_of_box[b] = seed.id;
@@ -30,8 +32,11 @@ class Builder {
       c.id = seed.id;
       c.object_class = seed.object_class;
       c.boxes = seed.boxes;
-      if (refit(c)) candidates_.push_back(std::move(c));
+      if (c.boxes.size() > 1) seeded.push_back(std::move(c));
     }
+    const std::vector<char> fits = refit_all(seeded);
+    for (std::size_t i = 0; i < seeded.size(); ++i)
+      if (fits[i] != 0) candidates_.push_back(std::move(seeded[i]));
     merge();
     for (int round = 0; round < kRounds; ++round) {
       ctx_.check_stop();
@@ -59,6 +64,14 @@ class Builder {
   // Triangulates and keeps the consistent boxes. False where fewer than two are left, or the point lies
   // outside the depth range.
   bool refit(Candidate& c) const { return judge_.fit(c); }
+
+  std::vector<char> refit_all(std::vector<Candidate>& candidates) const {
+    std::vector<char> fits(candidates.size(), 0);
+    base::parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) fits[i] = refit(candidates[i]) ? 1 : 0;
+    });
+    return fits;
+  }
 
   std::vector<std::size_t> free_boxes() const {
     std::vector<bool> used(prepared_.boxes.size(), false);
@@ -198,14 +211,14 @@ class Builder {
         if (pairs[r] != geometry::kUnassigned && score[r * boxes.size() + pairs[r]] > 0.0)
           boxes_of[rows[r]].push_back(boxes[pairs[r]]);
     }
+    std::vector<Candidate> next = candidates_;
+    for (std::size_t c = 0; c < next.size(); ++c) next[c].boxes = std::move(boxes_of[c]);
+    const std::vector<char> fits = refit_all(next);
     bool changed = false;
     std::vector<Candidate> kept;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      Candidate next = candidates_[c];
-      next.boxes = boxes_of[c];
-      const bool fits = refit(next);
-      changed = changed || !fits || next.boxes != candidates_[c].boxes;
-      if (fits) kept.push_back(std::move(next));
+      changed = changed || fits[c] == 0 || next[c].boxes != candidates_[c].boxes;
+      if (fits[c] != 0) kept.push_back(std::move(next[c]));
     }
     candidates_ = std::move(kept);
     return changed;
