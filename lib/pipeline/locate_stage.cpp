@@ -54,6 +54,17 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
                            "points_sigma_up_m",
                            "entropy_nats",
                            "divergence",
+                           "refined_east_m",
+                           "refined_north_m",
+                           "refined_up_m",
+                           "refined_sigma_east_m",
+                           "refined_sigma_north_m",
+                           "refined_sigma_up_m",
+                           "refined_radius_m",
+                           "refined_height_m",
+                           "refined_rms_px",
+                           "refined_boxes",
+                           "refined_rejected_boxes",
                            "reasons"});
   for (std::size_t i = 0; i < result.targets.size(); ++i) {
     const auto& t = result.targets[i];
@@ -73,6 +84,16 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
     const double unknown = std::nan("");  // an empty cell
     csv.cell(t.entropy_nats.empty() ? unknown : t.entropy_nats.back());
     csv.cell(t.divergence.empty() ? unknown : t.divergence.back());
+    if (t.refined) {
+      const auto& r = *t.refined;
+      for (int a = 0; a < 3; ++a) csv.cell(r.centre[a]);
+      for (int a = 0; a < 3; ++a) csv.cell(std::sqrt(r.covariance(a, a)));
+      csv.cell(r.cylinder.radius).cell(r.cylinder.height()).cell(r.rms_px);
+      csv.cell(static_cast<std::int64_t>(r.boxes)).cell(static_cast<std::int64_t>(r.rejected_boxes));
+    } else {
+      constexpr int kRefinedCells = 11;
+      for (int i = 0; i < kRefinedCells; ++i) csv.cell("");
+    }
     std::string reasons;
     for (const auto& reason : t.reasons) reasons += (reasons.empty() ? "" : ";") + reason;
     csv.cell(reasons);
@@ -92,7 +113,16 @@ void write_points(const fs::path& folder, const LocateResult& result) {
   }
 }
 
-io::Json summary_of(const LocateResult& result) {
+io::Json refined_summary(const localisation::BodyFitCounts& b) {
+  return io::Json::object({{"fitted", b.fitted},
+                           {"failed", b.failed},
+                           {"boxes", b.boxes},
+                           {"rejected_boxes", b.rejected_boxes},
+                           {"box_noise_scale", b.box_noise_scale},
+                           {"pose_noise_scale", b.pose_noise_scale}});
+}
+
+io::Json summary_of(const LocateResult& result, const std::optional<localisation::BodyFitCounts>& bodies) {
   const auto& c = result.counts;
   return io::Json::object({{"detections", c.detections},
                            {"used", c.used},
@@ -108,6 +138,7 @@ io::Json summary_of(const LocateResult& result) {
                            {"moved_boxes", c.moved_boxes},
                            {"noise_scale", c.noise_scale},
                            {"depth_source", c.depth_source},
+                           {"refined", bodies ? refined_summary(*bodies) : io::Json()},
                            {"rejects_by_reason", count_by_reason(result.rejects)}});
 }
 
@@ -126,11 +157,13 @@ Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateSt
     terrain.emplace(in.terrain, geodesy::LocalFrame(survey.manifest.origin.position));
     bound = terrain_bound(*terrain, options.locate.height_above_ground_m);
   }
-  const LocateResult result = localisation::locate(survey, options.locate, ctx, bound);
+  LocateResult result = localisation::locate(survey, options.locate, ctx, bound);
+  std::optional<localisation::BodyFitCounts> bodies;
+  if (options.refine_bodies) bodies = localisation::refine_bodies(result.targets, survey, options.body, ctx);
   io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
   write_evidence(out / "target_evidence.csv", result);
   if (options.points) write_points(out / "points", result);
-  return {summary_of(result), result.rejects};
+  return {summary_of(result, bodies), result.rejects};
 }
 
 std::unique_ptr<Stage> make_locate_stage() {

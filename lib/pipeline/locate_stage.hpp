@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/run_context.hpp"
+#include "localisation/body_fit.hpp"
 #include "localisation/locate.hpp"
 #include "pipeline/outcome.hpp"
 #include "pipeline/stage.hpp"
@@ -18,11 +19,15 @@ struct LocateInputs {
 
 struct LocateStageOptions {
   localisation::LocateOptions locate;
-  bool points = false;  // write the filter's points of each target
+  bool points = false;        // write the filter's points of each target
+  bool refine_bodies = true;  // fit one body to all boxes of each converged target
+  localisation::BodyFitOptions body;
 
   void visit(base::OptionVisitor& visitor) {
     locate.visit(visitor);
     visitor.flag("points", points, "write the points of each target to points/<id>.ply");
+    visitor.flag("refine-bodies", refine_bodies, "fit one body to all boxes of each converged target");
+    body.visit(visitor);
   }
 };
 
