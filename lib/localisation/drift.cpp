@@ -92,14 +92,18 @@ class Estimator {
     Normals normals;
     for (int step = 0; step < kSteps; ++step) {
       normals = assemble();
-      const Eigen::LLT<Eigen::MatrixXd> factor(reduced(normals));
-      if (factor.info() != Eigen::Success) break;
+      const Eigen::MatrixXd data = reduced(normals);
       Eigen::VectorXd right = normals.gradient;
       for (const auto& t : normals.targets) {
         if (!(t.a.determinant() > 0.0)) continue;
         const Vec3 part = t.a.inverse() * t.g;
         for (const auto& [k, b] : t.b) right.segment<3>(row(k)) -= b.transpose() * part;
       }
+      if (step == 0) choose_walk(data, right);
+      const Eigen::MatrixXd before = prior(walk_);
+      right += before * offset_;
+      const Eigen::LLT<Eigen::MatrixXd> factor(data + before);
+      if (factor.info() != Eigen::Success) break;
       const Eigen::VectorXd move = -factor.solve(right);
       if (!move.allFinite()) break;
       offset_ += move;
@@ -139,28 +143,50 @@ class Estimator {
            place.share * offset_.segment<3>(row(place.first + 1));
   }
 
+  // Information of the prior: the offset itself, shared out over all nodes, and its change from node to node, whose
+  // standard deviation is `share` of what drift_time_s says.
+  Eigen::MatrixXd prior(double share) const {
+    const auto size = static_cast<Eigen::Index>(3 * nodes_.count);
+    Eigen::MatrixXd p = Eigen::MatrixXd::Zero(size, size);
+    for (Eigen::Index i = 0; i < size; ++i) {
+      const Eigen::Index axis = i % 3;
+      p(i, i) += 1.0 / (sigma_[axis] * sigma_[axis] * static_cast<double>(nodes_.count));
+      if (i + 3 >= size) continue;
+      const double walk = 1.0 / (share * share * step_[axis] * step_[axis]);
+      p(i, i) += walk;
+      p(i + 3, i + 3) += walk;
+      p(i, i + 3) -= walk;
+      p(i + 3, i) -= walk;
+    }
+    return p;
+  }
+
+  // The walk under which the boxes are most likely (the marginal likelihood of the linearised problem): a bias that
+  // does not move must not be given room to, or the noise of the boxes would be taken for it.
+  void choose_walk(const Eigen::MatrixXd& data, const Eigen::VectorXd& gradient) {
+    double best = 0.0;
+    bool first = true;
+    for (const double share : {0.01, 0.03, 0.1, 0.3, 1.0}) {
+      const Eigen::MatrixXd before = prior(share);
+      const Eigen::LLT<Eigen::MatrixXd> factor(data + before), alone(before);
+      if (factor.info() != Eigen::Success || alone.info() != Eigen::Success) continue;
+      const auto log_det = [](const Eigen::LLT<Eigen::MatrixXd>& llt) {
+        return 2.0 * llt.matrixLLT().diagonal().array().log().sum();
+      };
+      const double likelihood = 0.5 * (log_det(alone) - log_det(factor) + gradient.dot(factor.solve(gradient)));
+      if (!std::isfinite(likelihood) || (!first && likelihood <= best)) continue;
+      best = likelihood;
+      walk_ = share;
+      first = false;
+    }
+  }
+
   Normals assemble() const {
     Normals n;
     n.targets.resize(candidates_.size());
     const auto size = static_cast<Eigen::Index>(3 * nodes_.count);
     n.nodes = Eigen::MatrixXd::Zero(size, size);
     n.gradient = Eigen::VectorXd::Zero(size);
-    // Prior: the offset itself at every node, shared out over the nodes of a correlation time by the walk.
-    for (std::size_t k = 0; k < nodes_.count; ++k)
-      for (Eigen::Index axis = 0; axis < 3; ++axis) {
-        const Eigen::Index i = row(k) + axis;
-        const double level = 1.0 / (sigma_[axis] * sigma_[axis] * static_cast<double>(nodes_.count));
-        n.nodes(i, i) += level;
-        n.gradient[i] += level * offset_[i];
-        if (k + 1 == nodes_.count) continue;
-        const double walk = 1.0 / (step_[axis] * step_[axis]), difference = offset_[i + 3] - offset_[i];
-        n.nodes(i, i) += walk;
-        n.nodes(i + 3, i + 3) += walk;
-        n.nodes(i, i + 3) -= walk;
-        n.nodes(i + 3, i) -= walk;
-        n.gradient[i] -= walk * difference;
-        n.gradient[i + 3] += walk * difference;
-      }
     for (std::size_t j = 0; j < candidates_.size(); ++j)
       for (std::size_t i = 0; i < candidates_[j].boxes.size(); ++i)
         if (weight_[j][i] > 0.0) add(j, candidates_[j].boxes[i], weight_[j][i], n);
@@ -255,6 +281,7 @@ class Estimator {
   const std::vector<Candidate>& candidates_;
   Nodes nodes_;
   Vec3 sigma_, step_;
+  double walk_ = 0.01;  // of step_
   std::vector<Vec3> centre_;
   std::vector<std::vector<double>> weight_;
   Eigen::VectorXd offset_;

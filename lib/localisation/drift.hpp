@@ -23,7 +23,8 @@ struct Drift {
 
 // Least squares over the candidates' boxes, jointly in the candidates' centres and in an offset of the positions that
 // is linear between nodes (every 5 s or more, 200 at most); Huber's loss, three Gauss-Newton steps. Prior: each offset
-// normal with the frames' stated sigma s, its change a random walk that reaches s in drift_time_s. The boxes of one
+// normal with the frames' stated sigma s, its change a random walk that reaches s in drift_time_s, or a share of that
+// (0.01, 0.03, 0.1, 0.3), whichever makes the boxes most likely. The boxes of one
 // candidate between two nodes count as three at most: their errors are not independent. What all positions have in
 // common cannot be known from boxes: it stays in the centres (mean offset 0).
 // Cost: boxes + nodes^3.

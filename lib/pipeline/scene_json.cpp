@@ -309,8 +309,7 @@ class SceneReader {
     f.flag("masks", p.masks);
     f.flag("meshes", p.meshes);
     f.text("image_format", p.image_format);
-    f.real("cloud_spacing_m", p.cloud_spacing_m);
-    f.real("cloud_noise_m", p.cloud_noise_m);
+    f.object("cloud", [&](JsonFields& c) { cloud(c); });
     f.object("render", [&](JsonFields& r) {
       r.integer("samples", p.render.samples);
       r.real("far_m", p.render.far_m);
@@ -328,6 +327,22 @@ class SceneReader {
       n.real("edge_hole", p.depth_noise.edge_hole);
       n.real("patch_hole", p.depth_noise.patch_hole);
     });
+  }
+
+  void cloud(JsonFields& f) {
+    CloudOptions c;
+    f.real("spacing_m", c.spacing_m);
+    f.real("noise_m", c.noise_m);
+    f.real("waviness_m", c.waviness_m);
+    f.real("waviness_length_m", c.waviness_length_m);
+    f.real("outlier_share", c.outlier_share);
+    f.real("contact_width_m", c.contact_width_m);
+    f.real("margin_m", c.margin_m);
+    f.integer("min_views", c.min_views);
+    f.real("max_incidence_deg", c.max_incidence_deg);
+    f.real("max_range_m", c.max_range_m);
+    f.integer("views", scene_.products.cloud_views);
+    scene_.products.cloud = c;
   }
 
   void pose_noise(JsonFields& f) {

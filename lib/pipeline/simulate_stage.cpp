@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "io/cloud.hpp"
 #include "io/image.hpp"
 #include "io/ply.hpp"
 #include "io/survey_folder.hpp"
@@ -99,6 +100,26 @@ void write_pictures(const Scene& scene, const Recording& recording, const fs::pa
   ctx.progress("frames", done, recording.truth.frames.size());
 }
 
+// Frames at even steps through the flight.
+std::vector<simulation::View> chosen_views(const Scene& scene, const Recording& recording) {
+  const auto& frames = recording.truth.frames;
+  const auto count = std::min<std::size_t>(frames.size(), static_cast<std::size_t>(scene.products.cloud_views));
+  std::vector<simulation::View> views;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto& frame = frames[i * frames.size() / count];
+    views.push_back({*recording.survey.camera(frame.camera), frame.T_world_camera});
+  }
+  return views;
+}
+
+std::size_t write_scene_cloud(const Scene& scene, const Recording& recording, const fs::path& out,
+                              base::RunContext& ctx) {
+  const simulation::RenderScene world(simulation::render_bodies(scene, recording), scene.products.lighting);
+  const auto cloud = simulation::sample_cloud(world, chosen_views(scene, recording), *scene.products.cloud, ctx);
+  io::write_cloud(out / "cloud.las", cloud);
+  return cloud.size();
+}
+
 io::Json counts(const Recording& recording) {
   const auto sought = std::count_if(recording.truth.objects.begin(), recording.truth.objects.end(),
                                     [](const auto& object) { return object.sought; });
@@ -137,6 +158,8 @@ Outcome simulate_stage(const Scene& scene, const fs::path& out, base::RunContext
     add_source(manifest, "depth", "depth", "16-bit PNG, millimetres along the camera's z axis, 0 = no return");
   if (products.masks)
     add_source(manifest, "masks", "masks", "16-bit PNG, object id + 1 where the pixel shows the object, else 0");
+  if (products.cloud)
+    add_source(manifest, "cloud", "cloud.las", "Sampled from the true surface; columns label and target_id are true");
   if (products.meshes) write_meshes(out, recording);
   io::write_truth(recording.truth, manifest.origin, out);
   io::write_survey(recording.survey, out);
@@ -150,6 +173,7 @@ Outcome simulate_stage(const Scene& scene, const fs::path& out, base::RunContext
   summary.set("of_objects", count([](const auto& o) { return o.object.valid(); }));
   summary.set("of_clutter", count([](const auto& o) { return !o.object.valid() && o.clutter >= 0; }));
   summary.set("sporadic", count([](const auto& o) { return !o.object.valid() && o.clutter < 0; }));
+  if (products.cloud) summary.set("cloud_points", write_scene_cloud(scene, recording, out, ctx));
   return {std::move(summary), {}};
 }
 

@@ -222,12 +222,12 @@ void validate(const Scene& scene) {
   check_detector(scene.detector, check);
   for (std::size_t i = 0; i < scene.confusions.size(); ++i)
     check.range(item("confusions", i) + ".probability", scene.confusions[i].probability, 0.0, 1.0);
-  check.not_negative("products.cloud_spacing_m", scene.products.cloud_spacing_m);
-  check.not_negative("products.cloud_noise_m", scene.products.cloud_noise_m);
   check_materials(scene, check);
   Products products = scene.products;
   base::validate(base::bind_options(products.render), "simulate, products.render");
   base::validate(base::bind_options(products.depth_noise), "simulate, products.depth_noise");
+  if (products.cloud) base::validate(base::bind_options(*products.cloud), "simulate, products.cloud");
+  check.range("products.cloud.views", static_cast<double>(products.cloud_views), 0.0, 1e6);
   if (scene.products.image_format != "jpg" && scene.products.image_format != "png")
     check.fail("products.image_format", scene.products.image_format, "jpg or png");
 }

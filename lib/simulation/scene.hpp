@@ -13,6 +13,7 @@
 #include "geometry/triangle_mesh.hpp"
 #include "geometry/vec.hpp"
 #include "simulation/render.hpp"
+#include "simulation/sampled_cloud.hpp"
 #include "simulation/shape.hpp"
 #include "survey/camera.hpp"
 
@@ -169,10 +170,9 @@ struct Products {
   RenderOptions render;              // `image` is ignored: see `images`
   Lighting lighting;
   DepthNoise depth_noise;
-  // A labelled cloud of the surface that the flight saw; 0 = none.
-  double cloud_spacing_m = 0.0;  // mean distance of its points, >= 0
-  double cloud_noise_m = 0.0;    // sigma of each coordinate, >= 0
-  bool meshes = true;            // truth/meshes and the terrain's mesh
+  std::optional<CloudOptions> cloud;  // a labelled cloud of the surface that the flight saw
+  std::int64_t cloud_views = 200;     // frames, evenly chosen, that the cloud is seen from, >= 1; 0 = from everywhere
+  bool meshes = true;                 // truth/meshes and the terrain's mesh
 };
 
 struct Scene {
