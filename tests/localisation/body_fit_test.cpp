@@ -204,7 +204,7 @@ TEST(BodyFit, LeavesFalseBoxesOut) {
     auto& box = views.survey.detections[i].box;
     box = {box.xmin + 60.0, box.ymin - 40.0, box.xmax + 90.0, box.ymax - 30.0};
   }
-  const auto t = fitted(views, target).front();
+  const auto t = fitted(views, target, plain_ellipsoid()).front();
   ASSERT_TRUE(t.refined);
   EXPECT_EQ(t.refined->rejected_boxes, 3U);
   EXPECT_LT((t.refined->centre - centre).norm(), 0.08);  // m
