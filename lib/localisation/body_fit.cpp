@@ -174,28 +174,40 @@ Work prepare(const Target& target, std::size_t index, const survey::Survey& surv
   return work;
 }
 
-// What rocks are, by degree 3 to 6 of the harmonics: zonal ones (flat undersides, heads wider than feet) and the
-// others. docs/science/localisation.md says how these were measured.
-constexpr std::array<double, 4> kZonalMean{0.008, -0.020, 0.005, -0.005};
-constexpr std::array<double, 4> kZonalSigma{0.030, 0.020, 0.009, 0.005};
-constexpr std::array<double, 4> kHarmonicSigma{0.0125, 0.0095, 0.0045, 0.0033};
+// What rocks are, by degree 3 to 6 of the harmonics: zonal ones (flat undersides, heads wider than feet), which go
+// together, and the others. docs/science/localisation.md says how these were measured.
+constexpr std::size_t kDegrees = 4;
+constexpr std::array<double, kDegrees> kZonalMean{0.0105, -0.0171, 0.0040, -0.0058};
+constexpr std::array<double, kDegrees> kZonalSigma{0.0270, 0.0194, 0.0095, 0.0046};
+constexpr std::array<std::array<double, kDegrees>, kDegrees> kZonalCorrelation{
+    {{1.0, -0.12, -0.73, 0.36}, {-0.12, 1.0, 0.33, -0.61}, {-0.73, 0.33, 1.0, -0.32}, {0.36, -0.61, -0.32, 1.0}}};
+constexpr std::array<double, kDegrees> kHarmonicSigma{0.0125, 0.0095, 0.0045, 0.0033};
 constexpr double kStretchSigma = 0.25;  // half the log of the ratio of the level axes
 constexpr double kHeightSigma = 0.4;    // log of half height over mean level semi-axis
 constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
 
-BodyPrior prior_of(const Work& work) {
+BodyPrior rock_prior(double radius) {
   BodyPrior prior;
-  const double radius = std::exp(work.start.ellipsoid[kLogRadius]);
   prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = kStretchSigma;
   prior.sigma[kLogHalfHeight] = kHeightSigma;
   prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = kLeanSigma * radius;
-  for (int l = kLeastDegree; l <= kMostDegree; ++l) {
-    const auto degree = static_cast<std::size_t>(l - kLeastDegree);
-    for (int m = -l; m <= l; ++m) {
-      const auto i = static_cast<Eigen::Index>(kEllipsoidParameters + harmonic_index(l, m));
-      prior.sigma[i] = m == 0 ? kZonalSigma[degree] : kHarmonicSigma[degree];
-      prior.mean[i] = m == 0 ? kZonalMean[degree] : 0.0;
-    }
+  Eigen::Matrix4d zonal;
+  for (std::size_t i = 0; i < kDegrees; ++i)
+    for (std::size_t j = 0; j < kDegrees; ++j)
+      zonal(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
+          kZonalSigma[i] * kZonalSigma[j] * kZonalCorrelation[i][j];
+  const Eigen::Matrix4d information = zonal.inverse();
+  const auto at = [](std::size_t degree, int m) {
+    return static_cast<Eigen::Index>(harmonic_index(kLeastDegree + static_cast<int>(degree), m));
+  };
+  for (std::size_t i = 0; i < kDegrees; ++i) {
+    const int l = kLeastDegree + static_cast<int>(i);
+    prior.harmonic_mean[at(i, 0)] = kZonalMean[i];
+    for (std::size_t j = 0; j < kDegrees; ++j)
+      prior.harmonic_information(at(i, 0), at(j, 0)) =
+          information(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+    for (int m = -l; m <= l; ++m)
+      if (m != 0) prior.harmonic_information(at(i, m), at(i, m)) = 1.0 / (kHarmonicSigma[i] * kHarmonicSigma[i]);
   }
   return prior;
 }
@@ -207,7 +219,8 @@ void solve(Work& work, const Noise& noise, const BodyFitOptions& options) {
     box.planes.whitener = whitener(box.planes, side_covariance(box, noise));
     planes.push_back(box.planes);
   }
-  work.solution = solve_body(planes, work.start, prior_of(work), options.loss_scale);
+  work.solution =
+      solve_body(planes, work.start, rock_prior(std::exp(work.start.ellipsoid[kLogRadius])), options.loss_scale);
 }
 
 // What the residuals of all targets say about the assumed sigmas: the width and height of a box do not depend on the

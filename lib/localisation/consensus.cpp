@@ -36,7 +36,8 @@ class Builder {
     for (int round = 0; round < kRounds; ++round) {
       ctx_.check_stop();
       dissolve_pairs();
-      recover();
+      // What a video shows, the tracker has followed; the pairs of its thousands of false boxes would meet everywhere.
+      if (!prepared_.video) recover();
       const bool changed = reassign();
       merge();
       if (!changed) break;
@@ -69,10 +70,14 @@ class Builder {
     return pool;
   }
 
+  // Both lists ascend, and with them the frames.
   bool share_frame(const Candidate& a, const Candidate& b) const {
-    for (const std::size_t i : a.boxes)
-      for (const std::size_t j : b.boxes)
-        if (prepared_.boxes[i].frame == prepared_.boxes[j].frame) return true;
+    std::size_t i = 0, j = 0;
+    while (i < a.boxes.size() && j < b.boxes.size()) {
+      const std::size_t fa = prepared_.boxes[a.boxes[i]].frame, fb = prepared_.boxes[b.boxes[j]].frame;
+      if (fa == fb) return true;
+      fa < fb ? ++i : ++j;
+    }
     return false;
   }
 
@@ -161,18 +166,24 @@ class Builder {
       std::vector<std::size_t> rows;
       std::vector<double> score;
       for (std::size_t c = 0; c < candidates_.size(); ++c) {
-        std::vector<double> row(boxes.size(), 0.0);
+        const auto at = appearance(frame, candidates_[c].fix.centre, candidates_[c].fix.covariance);
+        if (!at) continue;
+        std::vector<double> row;
         bool any = false;
         for (std::size_t b = 0; b < boxes.size(); ++b) {
-          const auto d2 = judge_.distance(candidates_[c], boxes[b]);
-          if (!d2 || *d2 > gate2) continue;
-          row[b] = 1.0 + (gate2 - *d2) / gate2;
+          const Box& box = prepared_.boxes[boxes[b]];
+          if (candidates_[c].object_class != box.object_class) continue;
+          const double d2 = squared_distance(*at, box.centre_px, box.sigma_px);
+          if (!(d2 <= gate2) || !judge_.fits_size(boxes[b], candidates_[c].fix.centre, candidates_[c].size_m)) continue;
+          row.resize(boxes.size(), 0.0);
+          row[b] = 1.0 + (gate2 - d2) / gate2;
           any = true;
         }
         if (!any) continue;
         rows.push_back(c);
         score.insert(score.end(), row.begin(), row.end());
       }
+      if (rows.empty()) continue;
       std::vector<double> cost(score.size());
       std::transform(score.begin(), score.end(), cost.begin(), [](double s) { return -s; });
       const auto pairs = geometry::assign(cost, rows.size(), boxes.size());

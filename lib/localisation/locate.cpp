@@ -6,6 +6,7 @@
 
 #include "base/parallel.hpp"
 #include "localisation/consensus.hpp"
+#include "localisation/drift.hpp"
 #include "localisation/target_records.hpp"
 #include "localisation/tracker.hpp"
 
@@ -102,6 +103,14 @@ LocateResult locate(const survey::Survey& survey, const Tracks& tracks, const Lo
     for (const auto& live : tracker.targets()) outputs.push_back(paper_record(prepared, live));
   } else {
     Consensus consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+    if (drifts(prepared, options)) {
+      const Drift drift = estimate_drift(prepared, consensus.candidates, options);
+      remove_drift(drift, prepared);
+      result.counts.drift_m = drift.rms_m;
+      for (std::size_t f = 0; f < prepared.frames.size(); ++f)
+        result.drift.emplace_back(prepared.frames[f].id, drift.offset_m[f]);
+      consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+    }
     if (!options.assumed_noise)
       adapt_noise(prepared, depth, tracker, options, ctx, consensus, result.counts.noise_scale);
     result.counts.merged = consensus.merged;

@@ -3,13 +3,16 @@
 #include <cmath>
 #include <optional>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "geodesy/local_frame.hpp"
 #include "io/csv.hpp"
 #include "io/ply.hpp"
 #include "io/survey_folder.hpp"
 #include "io/targets_json.hpp"
+#include "io/tracks_csv.hpp"
 #include "pipeline/function_stage.hpp"
+#include "pipeline/target_plots.hpp"
 #include "pipeline/terrain_height.hpp"
 
 namespace cairn::pipeline {
@@ -84,12 +87,31 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
 void write_points(const fs::path& folder, const LocateResult& result) {
   fs::create_directories(folder);
   for (std::size_t i = 0; i < result.targets.size(); ++i) {
-    geometry::PointCloud cloud;
     const auto& points = result.points[i];
+    if (points.rows() == 0) continue;
+    geometry::PointCloud cloud;
     for (Eigen::Index row = 0; row < points.rows(); ++row) cloud.positions.emplace_back(points.row(row).transpose());
     io::write_ply(folder / (std::to_string(result.targets[i].id.value) + ".ply"), cloud,
                   {.crs = "", .comments = {"local ENU, m"}});
   }
+}
+
+void write_plots(const fs::path& folder, const LocateResult& result, const localisation::LocateOptions& options) {
+  fs::create_directories(folder);
+  for (const auto& target : result.targets)
+    if (target.state != survey::TargetState::deregistered)
+      base::write_file(folder / (std::to_string(target.id.value) + ".svg"),
+                       history_plot(target, {options.entropy_converging_nats, options.divergence_converged}));
+}
+
+void write_drift(const fs::path& path, const LocateResult& result) {
+  io::CsvWriter csv(path, {"frame_id", "east_m", "north_m", "up_m"});
+  for (const auto& [frame, offset] : result.drift) {
+    csv.cell(frame.value);
+    for (int a = 0; a < 3; ++a) csv.cell(offset[a]);
+    csv.end_row();
+  }
+  csv.finish();
 }
 
 io::Json summary_of(const LocateResult& result) {
@@ -106,6 +128,9 @@ io::Json summary_of(const LocateResult& result) {
                            {"merged", c.merged},
                            {"recovered", c.recovered},
                            {"moved_boxes", c.moved_boxes},
+                           {"coasted", c.coasted},
+                           {"clock_jumps", c.clock_jumps},
+                           {"drift_m", c.drift_m},
                            {"noise_scale", c.noise_scale},
                            {"depth_source", c.depth_source},
                            {"rejects_by_reason", count_by_reason(result.rejects)}});
@@ -126,10 +151,15 @@ Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateSt
     terrain.emplace(in.terrain, geodesy::LocalFrame(survey.manifest.origin.position));
     bound = terrain_bound(*terrain, options.locate.height_above_ground_m);
   }
-  const LocateResult result = localisation::locate(survey, options.locate, ctx, bound);
+  std::vector<survey::TrackedBox> tracked;
+  if (!in.tracks.empty()) tracked = io::read_tracks(in.tracks, survey);
+  const localisation::Tracks tracks = in.tracks.empty() ? localisation::Tracks() : localisation::Tracks(tracked);
+  const LocateResult result = localisation::locate(survey, tracks, options.locate, ctx, bound);
   io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
   write_evidence(out / "target_evidence.csv", result);
   if (options.points) write_points(out / "points", result);
+  if (options.plots) write_plots(out / "plots", result, options.locate);
+  if (!result.drift.empty()) write_drift(out / "drift.csv", result);
   return {summary_of(result), result.rejects};
 }
 
@@ -147,7 +177,7 @@ std::unique_ptr<Stage> make_locate_stage() {
                  survey.detections.size() * 2048 + (options.points ? bytes : 0)};
        },
        [](const StageInputs& in, const fs::path& out, const LocateStageOptions& options, base::RunContext& ctx) {
-         return locate_stage({in.survey, {}}, out, options, ctx);
+         return locate_stage({in.survey, {}, {}}, out, options, ctx);
        }});
 }
 

@@ -23,6 +23,10 @@ TEST_P(PerturbedBrightonBeach, ReturnsToColmapsPoses) {
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.frames_adjusted, 18U);
   EXPECT_EQ(result.gauge, BundleGauge::aligned);
+  for (const auto& r : result.rounds)
+    std::printf("  round: %d it, %.1f -> %.1f, sigma %.3f, obs %zu, removed %zu, conv %d %s\n",
+                static_cast<int>(r.iterations), r.cost_before, r.cost_after, r.sigma_px, r.observations, r.removed,
+                r.converged, r.termination.c_str());
   const auto back = testing::aligned(result.frames, survey.frames);
   const auto d = testing::pose_difference(back, survey.frames);
   EXPECT_LT(d.position_m, kPosition_m);
