@@ -30,7 +30,7 @@ Error unknown(const fs::path& path, std::string found) {
       .file(path.string())
       .found(std::move(found))
       .allowed(names)
-      .hint("Name the format with --format");
+      .hint("Name the format with --format (in import: --detections-format)");
 }
 
 BoxFormat recognise_folder(const fs::path& folder) {
