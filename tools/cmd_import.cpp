@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "io/detections.hpp"
 #include "pipeline/import_colmap.hpp"
 #include "pipeline/import_csv.hpp"
 #include "pipeline/import_dji.hpp"
@@ -39,8 +40,14 @@ class ImportCommand final : public Command {
     arguments.option("origin", origin_, "LAT,LON,HEIGHT of the local frame, degrees and metres");
     arguments.choice("height-type", height_type_, height_types(), "What the origin's height is measured from");
     arguments.option("name", in_.name, "Name of the survey; the folder's name where it is not given");
-    arguments.option("detections", in_.detections,
-                     "Boxes to attach (CSV: image,class,xmin_px,ymin_px,xmax_px,ymax_px,score)");
+    arguments.option(
+        "detections", in_.detections,
+        "Boxes to attach: CSV (image,class,xmin_px,ymin_px,xmax_px,ymax_px,score), COCO, YOLO, Pascal VOC, "
+        "CVAT, darknet, MOT");
+    std::vector<std::string> box_formats{"auto"};
+    box_formats.insert(box_formats.end(), io::box_format_names().begin(), io::box_format_names().end());
+    arguments.choice("detections-format", in_.detections_format, box_formats, "Format of the boxes");
+    arguments.option("detections-names", in_.detections_names, "Class names of boxes that number them, one a line");
     arguments.option("detections-scale", detections_scale_,
                      "Box pixels times this are image file pixels; default: the scale of the images");
     arguments.option("cloud", in_.cloud, "Point cloud to attach (LAS)");

@@ -16,10 +16,12 @@ class LocateCommand final : public Command {
   void declare(Arguments& arguments) override {
     arguments.input("survey", in_.survey, "Survey folder with detections");
     arguments.output(out_, "Folder of the result");
+    arguments.option("tracks", in_.tracks, "tracks.csv of 'cairn track': only registered boxes go on");
     arguments.option("terrain", in_.terrain, "surface.tif of this survey: bounds the depth of objects");
     arguments.options(base::bind_options(options_));
     arguments.example("cairn locate samples/brighton_beach/survey -o located --json");
-    arguments.example("cairn locate survey --mode paper --max-depth-m 18 --points -o located_paper");
+    arguments.example("cairn locate flight --tracks flight/tracks.csv -o located");
+    arguments.example("cairn locate survey --mode paper --max-depth-m 18 -o located_paper");
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
@@ -28,6 +30,7 @@ class LocateCommand final : public Command {
     for (const auto* optional : {"detections.csv", "tie_points.csv"})
       if (fs::exists(in_.survey / optional)) named.push_back(in_.survey / optional);
     if (!in_.terrain.empty()) named.push_back(in_.terrain);
+    if (!in_.tracks.empty()) named.push_back(in_.tracks);
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) {
       const auto survey = io::read_survey(in_.survey);

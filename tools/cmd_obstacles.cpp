@@ -35,7 +35,7 @@ class ObstaclesCommand final : public Command {
         [&](const fs::path& staged) {
           auto in = in_;
           if (in.targets.empty()) {
-            static_cast<void>(pipeline::locate_stage({in_.survey, in_.terrain}, staged, {}, ctx));
+            static_cast<void>(pipeline::locate_stage({in_.survey, in_.terrain, {}}, staged, {}, ctx));
             in.targets = staged / "targets.json";
           }
           return pipeline::obstacles_stage(in, staged, options_, ctx);

@@ -9,13 +9,15 @@
 namespace cairn::adjustment {
 
 struct BundleOptions {
-  std::string intrinsics = "none";  // none | focal | radial | all (camera/projection_jacobian.hpp)
-  std::string loss = "huber";       // none | huber | cauchy, on the tie observations
-  double loss_scale = 3.0;          // sigmas at which the loss leaves the square
-  double sigma_px = 0.0;            // 1 sigma of a tie observation in u and in v; 0 = estimated from the residuals
-  double control_sigma_px = 1.0;    // the same of a control point's observations
-  double outlier_sigmas = 5.0;      // observations farther off than this are removed; 0 = none are
-  std::int64_t max_rounds = 6;      // of: solve, estimate sigma_px, remove outliers
+  // none | focal | distortion | radial | all (camera/projection_jacobian.hpp); auto = none, unless the stage knows
+  // better
+  std::string intrinsics = "auto";
+  std::string loss = "huber";     // none | huber | cauchy, on the tie observations
+  double loss_scale = 3.0;        // sigmas at which the loss leaves the square
+  double sigma_px = 0.0;          // 1 sigma of a tie observation in u and in v; 0 = estimated from the residuals
+  double control_sigma_px = 1.0;  // the same of a control point's observations
+  double outlier_sigmas = 5.0;    // observations farther off than this are removed; 0 = none are
+  std::int64_t max_rounds = 6;    // of: solve, estimate sigma_px, remove outliers
   std::int64_t max_iterations = 50;
   double function_tolerance = 1e-6;    // relative change of the cost at which a solve ends
   std::int64_t min_observations = 8;   // a frame with fewer keeps its pose
@@ -30,7 +32,8 @@ struct BundleOptions {
   std::int64_t full_covariance_frames = 200;  // auto: up to this many frames with all correlations
 
   void visit(base::OptionVisitor& v) {
-    v.choice("intrinsics", intrinsics, {"none", "focal", "radial", "all"}, "intrinsics that may change");
+    v.choice("intrinsics", intrinsics, {"auto", "none", "focal", "distortion", "radial", "all"},
+             "intrinsics that may change");
     v.choice("loss", loss, {"none", "huber", "cauchy"}, "loss of the tie observations");
     v.real("loss-scale", loss_scale, 0.1, 100.0, "sigmas at which the loss leaves the square");
     v.real("sigma-px", sigma_px, 0.0, 100.0, "1 sigma of a tie observation; 0 = estimated [px]");

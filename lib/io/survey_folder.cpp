@@ -102,7 +102,9 @@ double not_negative(const CsvReader& table, std::size_t column) {
   return value.value_or(0.0);
 }
 
-void read_frames(const fs::path& path, survey::Survey& survey, FrameLines& lines) {
+// `survey` names the cameras there are; without it any camera id is taken.
+std::vector<survey::Frame> frames_of(const fs::path& path, const survey::Survey* survey, FrameLines& lines) {
+  std::vector<survey::Frame> frames;
   CsvReader table(path);
   const auto id = table.column("frame_id"), time = table.column("time_ns"), camera = table.column("camera_id"),
              image = table.column("image"), x = table.column("x_m"), y = table.column("y_m"), z = table.column("z_m"),
@@ -115,7 +117,7 @@ void read_frames(const fs::path& path, survey::Survey& survey, FrameLines& lines
     lines.add(frame.id, table, id);
     frame.time_ns = base::trim(table.text(time)).empty() ? 0 : table.integer(time);
     frame.camera = survey::CameraId(table.integer(camera, 0, kMaxId));
-    if (survey.camera(frame.camera) == nullptr)
+    if (survey != nullptr && survey->camera(frame.camera) == nullptr)
       throw table.error(camera, "frame of an unknown camera").allowed("a camera id of survey.json");
     frame.image = table.text(image);
     frame.T_world_camera.translation = {table.real(x), table.real(y), table.real(z)};
@@ -129,9 +131,10 @@ void read_frames(const fs::path& path, survey::Survey& survey, FrameLines& lines
     frame.sigma_xy_m = not_negative(table, sigma_xy);
     frame.sigma_z_m = not_negative(table, sigma_z);
     frame.sigma_rot_deg = not_negative(table, sigma_rot);
-    survey.frames.push_back(std::move(frame));
+    frames.push_back(std::move(frame));
   }
-  sort_by_id(survey.frames);
+  sort_by_id(frames);
+  return frames;
 }
 
 void require_frame(const CsvReader& table, std::size_t column, survey::FrameId frame, const FrameLines& frames,
@@ -205,7 +208,7 @@ std::string text_of(std::int64_t id) {
   return std::to_string(id);
 }
 
-void write_frames(const fs::path& path, const std::vector<survey::Frame>& frames) {
+void write_frame_table(const fs::path& path, const std::vector<survey::Frame>& frames) {
   CsvWriter table(path, kFrameColumns);
   for (const auto& frame : frames) {
     const auto& p = frame.T_world_camera.translation;
@@ -217,17 +220,6 @@ void write_frames(const fs::path& path, const std::vector<survey::Frame>& frames
     table.cell(frame.id.value).cell(frame.time_ns).cell(frame.camera.value).cell(frame.image);
     table.cell(p.x()).cell(p.y()).cell(p.z()).cell(q.qw).cell(q.qx).cell(q.qy).cell(q.qz);
     table.cell(frame.sigma_xy_m).cell(frame.sigma_z_m).cell(frame.sigma_rot_deg);
-    table.end_row();
-  }
-  table.finish();
-}
-
-void write_detections(const fs::path& path, const std::vector<survey::Detection>& detections) {
-  CsvWriter table(path, kDetectionColumns);
-  for (const auto& d : detections) {
-    require_finite({d.score, d.box.xmin, d.box.ymin, d.box.xmax, d.box.ymax}, "detection " + text_of(d.id.value));
-    table.cell(d.id.value).cell(d.frame.value).cell(d.object_class).cell(d.score);
-    table.cell(d.box.xmin).cell(d.box.ymin).cell(d.box.xmax).cell(d.box.ymax);
     table.end_row();
   }
   table.finish();
@@ -269,7 +261,7 @@ survey::Survey read_survey(const fs::path& folder) {
   const fs::path manifest = folder / "survey.json";
   survey.manifest = manifest_from_json(read_json(manifest), manifest.string());
   FrameLines frames;
-  read_frames(folder / "frames.csv", survey, frames);
+  survey.frames = frames_of(folder / "frames.csv", &survey, frames);
   if (fs::exists(folder / "detections.csv", code)) read_detections(folder / "detections.csv", survey, frames);
   if (fs::exists(folder / "tie_points.csv", code))
     read_ties(folder / "tie_points.csv", folder / "tie_observations.csv", survey, frames);
@@ -279,13 +271,33 @@ survey::Survey read_survey(const fs::path& folder) {
 void write_survey(const survey::Survey& survey, const fs::path& folder) {
   base::write_file(folder / "survey.json", to_json(survey.manifest).dump() + "\n");
   try {
-    write_frames(folder / "frames.csv", survey.frames);
+    write_frame_table(folder / "frames.csv", survey.frames);
     if (!survey.detections.empty()) write_detections(folder / "detections.csv", survey.detections);
     if (!survey.ties.empty()) write_ties(folder, survey.ties);
   } catch (Error& error) {
     error.default_file(folder.string());
     throw;
   }
+}
+
+void write_detections(const fs::path& path, std::span<const survey::Detection> detections) {
+  CsvWriter table(path, kDetectionColumns);
+  for (const auto& d : detections) {
+    require_finite({d.score, d.box.xmin, d.box.ymin, d.box.xmax, d.box.ymax}, "detection " + text_of(d.id.value));
+    table.cell(d.id.value).cell(d.frame.value).cell(d.object_class).cell(d.score);
+    table.cell(d.box.xmin).cell(d.box.ymin).cell(d.box.xmax).cell(d.box.ymax);
+    table.end_row();
+  }
+  table.finish();
+}
+
+std::vector<survey::Frame> read_frames(const fs::path& path) {
+  FrameLines lines;
+  return frames_of(path, nullptr, lines);
+}
+
+void write_frames(const fs::path& path, const std::vector<survey::Frame>& frames) {
+  write_frame_table(path, frames);
 }
 
 geometry::RigidTransform exact_pose(const geometry::RigidTransform& pose) {

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "survey/survey.hpp"
 
@@ -24,6 +26,13 @@ namespace cairn::io {
 // `exact_pose`, reads back bit for bit; the rotation of any other to within 1e-15.
 // Throws invalid_input where a value is not finite, resource_exhausted where a write fails.
 void write_survey(const survey::Survey& survey, const std::filesystem::path& folder);
+
+// A table of detections alone, in the order given. Throws as write_survey.
+void write_detections(const std::filesystem::path& path, std::span<const survey::Detection> detections);
+
+// A table of frames by itself, such as truth/frames.csv: the same columns and checks; any camera id is taken.
+[[nodiscard]] std::vector<survey::Frame> read_frames(const std::filesystem::path& path);
+void write_frames(const std::filesystem::path& path, const std::vector<survey::Frame>& frames);
 
 // The pose with its rotation replaced by the nearest one (1e-15 rad) that its text gives back exactly.
 // Importers apply it, so that a survey in memory equals the same survey read from disk.

@@ -122,6 +122,17 @@ std::vector<Row> rows_of(const survey::Survey& survey, const Tracks& tracks, boo
   return rows;
 }
 
+bool is_video(const std::vector<FrameView>& frames) {
+  constexpr std::size_t kLeastFrames = 100;
+  constexpr double kLongestStep_s = 2.0;
+  if (frames.size() < kLeastFrames) return false;
+  std::vector<std::int64_t> steps;
+  for (std::size_t f = 1; f < frames.size(); ++f) steps.push_back(frames[f].time_ns - frames[f - 1].time_ns);
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  const double step = 1e-9 * static_cast<double>(steps[steps.size() / 2]);
+  return step > 0.0 && step <= kLongestStep_s;
+}
+
 }  // namespace
 
 base::Reject edge_reject(survey::DetectionId id) {
@@ -135,6 +146,7 @@ PreparedBoxes prepare_boxes(const survey::Survey& survey, const LocateOptions& o
   result.frames = std::move(views.frames);
   result.clock_jumps = views.clock_jumps;
   result.tracked = tracks.has_value();
+  result.video = result.tracked || is_video(result.frames);
   const std::vector<Row> rows = rows_of(survey, tracks, paper, result);
 
   std::set<std::string> names;

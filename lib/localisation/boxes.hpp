@@ -35,6 +35,7 @@ struct PreparedBoxes {
   std::vector<Box> boxes;            // by frame, then detection id, then track
   std::vector<std::string> classes;  // sorted
   std::vector<base::Reject> rejects;
+  bool video = false;           // frames overlap: a thing is in many in a row. Tracks, or 100 frames, mostly 2 s apart
   bool tracked = false;         // the boxes are those of registered tracks
   std::size_t coasted = 0;      // rows of tracks without a detection
   std::size_t clock_jumps = 0;  // see frame_views

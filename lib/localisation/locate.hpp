@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "base/reject.hpp"
@@ -36,6 +37,7 @@ struct LocateCounts {
   std::size_t merged = 0, recovered = 0, moved_boxes = 0;                      // by the consensus (robust)
   std::size_t coasted = 0;                                                     // rows of tracks that are predictions
   std::size_t clock_jumps = 0;  // places where the frames' clock runs backwards
+  double drift_m = 0.0;         // rms of the positions' slow errors that were found and removed (robust, video)
   double noise_scale = 1.0;     // factor that the residuals put on the assumed errors (robust)
   std::string depth_source;     // where the depth ranges come from
 };
@@ -44,7 +46,10 @@ struct LocateResult {
   std::vector<survey::Target> targets;   // ascending id
   std::vector<TargetEvidence> evidence;  // one a target
   std::vector<Points> points;            // one a target; empty of deregistered ones
-  std::vector<base::Reject> rejects;     // boxes and frames that were not used
+  // Of each used frame, in the order of the recording: recorded less true position as far as it wanders (drift.hpp), m.
+  // The targets are those of the positions less this. Empty where no drift was sought.
+  std::vector<std::pair<survey::FrameId, geometry::Vec3>> drift;
+  std::vector<base::Reject> rejects;  // boxes and frames that were not used
   LocateCounts counts;
 };
 

@@ -37,9 +37,13 @@ void LocateOptions::visit(base::OptionVisitor& v) {
   v.real("size-ratio", size_ratio, 1.0, 100.0, "largest ratio of object sizes within one target");
   v.real("sigma-px", sigma_px, 0.01, 1e3, "1 sigma of a box centre");
   v.real("sigma-size", sigma_size, 0.0, 1.0, "1 sigma of a box centre as a fraction of the box's side");
+  v.real("outline-sigma", outline_sigma, 0.0, 1.0,
+         "1 sigma between an outline's middle and the object's, as a fraction of the size");
   v.flag("assumed-noise", assumed_noise, "keep the assumed errors instead of scaling them to the residuals");
   v.real("pose-sigma-m", pose_sigma_m, -1.0, 1e3, "1 sigma of a camera position; -1 = as the frames say");
   v.real("pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "1 sigma of a camera rotation; -1 = as the frames say");
+  v.real("drift-time-s", drift_time_s, 0.0, 1e6,
+         "video: time in which a wandering position error changes by its size; 0 = do not estimate it");
   v.real("box-gate", box_gate, 0.1, 100.0, "boxes farther from the projected centre are outliers, sigmas");
   v.integer("min-boxes", min_boxes, 2, 1000, "consistent boxes of a converged target");
   v.integer("generation-boxes", generation_boxes, 0, 100000,

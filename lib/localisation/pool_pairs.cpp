@@ -106,11 +106,6 @@ bool BoxJudge::adopt(Candidate& c, const std::optional<Triangulation>& fix) cons
   return true;
 }
 
-std::optional<double> BoxJudge::distance(const Candidate& c, std::size_t b) const {
-  if (c.object_class != prepared_.boxes[b].object_class || !fits_size(b, c.fix.centre, c.size_m)) return std::nullopt;
-  return squared_distance(sighting(b), c.fix.centre, c.fix.covariance);
-}
-
 std::vector<std::size_t> frames_showing(const PreparedBoxes& prepared, const Candidate& c,
                                         const LocateOptions& options) {
   std::vector<std::size_t> result;

@@ -24,8 +24,6 @@ class BoxJudge {
   [[nodiscard]] bool fit(Candidate& candidate) const;
   // The same from a start, without the search over pairs.
   [[nodiscard]] bool fit_from(const geometry::Vec3& start, Candidate& candidate) const;
-  // Squared distance [sigmas^2] of a box to a candidate; empty where class or size do not fit.
-  [[nodiscard]] std::optional<double> distance(const Candidate& candidate, std::size_t box) const;
   // Size [m] an object at `point` has if it fills the box.
   [[nodiscard]] double size(std::size_t box, const geometry::Vec3& point) const;
   [[nodiscard]] bool like_size(double a, double b) const;

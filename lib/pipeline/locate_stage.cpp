@@ -1,15 +1,19 @@
 #include "pipeline/locate_stage.hpp"
 
 #include <cmath>
+#include <map>
 #include <optional>
 
+#include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "geodesy/local_frame.hpp"
 #include "io/csv.hpp"
 #include "io/ply.hpp"
 #include "io/survey_folder.hpp"
 #include "io/targets_json.hpp"
+#include "io/tracks_csv.hpp"
 #include "pipeline/function_stage.hpp"
+#include "pipeline/target_plots.hpp"
 #include "pipeline/terrain_height.hpp"
 
 namespace cairn::pipeline {
@@ -54,6 +58,17 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
                            "points_sigma_up_m",
                            "entropy_nats",
                            "divergence",
+                           "refined_east_m",
+                           "refined_north_m",
+                           "refined_up_m",
+                           "refined_sigma_east_m",
+                           "refined_sigma_north_m",
+                           "refined_sigma_up_m",
+                           "refined_radius_m",
+                           "refined_height_m",
+                           "refined_rms_px",
+                           "refined_boxes",
+                           "refined_rejected_boxes",
                            "reasons"});
   for (std::size_t i = 0; i < result.targets.size(); ++i) {
     const auto& t = result.targets[i];
@@ -73,6 +88,16 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
     const double unknown = std::nan("");  // an empty cell
     csv.cell(t.entropy_nats.empty() ? unknown : t.entropy_nats.back());
     csv.cell(t.divergence.empty() ? unknown : t.divergence.back());
+    if (t.refined) {
+      const auto& r = *t.refined;
+      for (int a = 0; a < 3; ++a) csv.cell(r.centre[a]);
+      for (int a = 0; a < 3; ++a) csv.cell(std::sqrt(r.covariance(a, a)));
+      csv.cell(r.cylinder.radius).cell(r.cylinder.height()).cell(r.rms_px);
+      csv.cell(static_cast<std::int64_t>(r.boxes)).cell(static_cast<std::int64_t>(r.rejected_boxes));
+    } else {
+      constexpr int kRefinedCells = 11;
+      for (int i = 0; i < kRefinedCells; ++i) csv.cell("");
+    }
     std::string reasons;
     for (const auto& reason : t.reasons) reasons += (reasons.empty() ? "" : ";") + reason;
     csv.cell(reasons);
@@ -84,15 +109,51 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
 void write_points(const fs::path& folder, const LocateResult& result) {
   fs::create_directories(folder);
   for (std::size_t i = 0; i < result.targets.size(); ++i) {
-    geometry::PointCloud cloud;
     const auto& points = result.points[i];
+    if (points.rows() == 0) continue;
+    geometry::PointCloud cloud;
     for (Eigen::Index row = 0; row < points.rows(); ++row) cloud.positions.emplace_back(points.row(row).transpose());
     io::write_ply(folder / (std::to_string(result.targets[i].id.value) + ".ply"), cloud,
                   {.crs = "", .comments = {"local ENU, m"}});
   }
 }
 
-io::Json summary_of(const LocateResult& result) {
+// The survey with the positions that the targets are relative to.
+survey::Survey without_drift(survey::Survey survey, const LocateResult& result) {
+  std::map<survey::FrameId, geometry::Vec3> offset(result.drift.begin(), result.drift.end());
+  for (auto& frame : survey.frames)
+    if (const auto at = offset.find(frame.id); at != offset.end()) frame.T_world_camera.translation -= at->second;
+  return survey;
+}
+
+io::Json refined_summary(const localisation::BodyFitCounts& b) {
+  return io::Json::object({{"fitted", b.fitted},
+                           {"failed", b.failed},
+                           {"boxes", b.boxes},
+                           {"rejected_boxes", b.rejected_boxes},
+                           {"box_noise_scale", b.box_noise_scale},
+                           {"pose_noise_scale", b.pose_noise_scale}});
+}
+
+void write_plots(const fs::path& folder, const LocateResult& result, const localisation::LocateOptions& options) {
+  fs::create_directories(folder);
+  for (const auto& target : result.targets)
+    if (target.state != survey::TargetState::deregistered)
+      base::write_file(folder / (std::to_string(target.id.value) + ".svg"),
+                       history_plot(target, {options.entropy_converging_nats, options.divergence_converged}));
+}
+
+void write_drift(const fs::path& path, const LocateResult& result) {
+  io::CsvWriter csv(path, {"frame_id", "east_m", "north_m", "up_m"});
+  for (const auto& [frame, offset] : result.drift) {
+    csv.cell(frame.value);
+    for (int a = 0; a < 3; ++a) csv.cell(offset[a]);
+    csv.end_row();
+  }
+  csv.finish();
+}
+
+io::Json summary_of(const LocateResult& result, const std::optional<localisation::BodyFitCounts>& bodies) {
   const auto& c = result.counts;
   return io::Json::object({{"detections", c.detections},
                            {"used", c.used},
@@ -106,8 +167,12 @@ io::Json summary_of(const LocateResult& result) {
                            {"merged", c.merged},
                            {"recovered", c.recovered},
                            {"moved_boxes", c.moved_boxes},
+                           {"coasted", c.coasted},
+                           {"clock_jumps", c.clock_jumps},
+                           {"drift_m", c.drift_m},
                            {"noise_scale", c.noise_scale},
                            {"depth_source", c.depth_source},
+                           {"refined", bodies ? refined_summary(*bodies) : io::Json()},
                            {"rejects_by_reason", count_by_reason(result.rejects)}});
 }
 
@@ -126,11 +191,19 @@ Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateSt
     terrain.emplace(in.terrain, geodesy::LocalFrame(survey.manifest.origin.position));
     bound = terrain_bound(*terrain, options.locate.height_above_ground_m);
   }
-  const LocateResult result = localisation::locate(survey, options.locate, ctx, bound);
+  std::vector<survey::TrackedBox> tracked;
+  if (!in.tracks.empty()) tracked = io::read_tracks(in.tracks, survey);
+  const localisation::Tracks tracks = in.tracks.empty() ? localisation::Tracks() : localisation::Tracks(tracked);
+  LocateResult result = localisation::locate(survey, tracks, options.locate, ctx, bound);
+  std::optional<localisation::BodyFitCounts> bodies;
+  if (options.refine_bodies)
+    bodies = localisation::refine_bodies(result.targets, without_drift(survey, result), options.body, ctx);
   io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
   write_evidence(out / "target_evidence.csv", result);
   if (options.points) write_points(out / "points", result);
-  return {summary_of(result), result.rejects};
+  if (options.plots) write_plots(out / "plots", result, options.locate);
+  if (!result.drift.empty()) write_drift(out / "drift.csv", result);
+  return {summary_of(result, bodies), result.rejects};
 }
 
 std::unique_ptr<Stage> make_locate_stage() {
@@ -147,7 +220,7 @@ std::unique_ptr<Stage> make_locate_stage() {
                  survey.detections.size() * 2048 + (options.points ? bytes : 0)};
        },
        [](const StageInputs& in, const fs::path& out, const LocateStageOptions& options, base::RunContext& ctx) {
-         return locate_stage({in.survey, {}}, out, options, ctx);
+         return locate_stage({in.survey, {}, {}}, out, options, ctx);
        }});
 }
 

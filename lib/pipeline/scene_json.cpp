@@ -95,22 +95,7 @@ class SceneReader {
       c.real("probability", confusion.probability);
       scene_.confusions.push_back(confusion);
     });
-    f.object("depth_noise", [&](JsonFields& n) {
-      n.real("sigma_m", scene_.depth_noise.sigma_m);
-      n.real("sigma_per_m2", scene_.depth_noise.sigma_per_m2);
-      n.real("dropout", scene_.depth_noise.dropout);
-      n.real("min_m", scene_.depth_noise.min_m);
-      n.real("max_m", scene_.depth_noise.max_m);
-    });
-    f.object("products", [&](JsonFields& p) {
-      p.flag("images", scene_.products.images);
-      p.flag("depth", scene_.products.depth);
-      p.flag("masks", scene_.products.masks);
-      p.flag("meshes", scene_.products.meshes);
-      p.text("image_format", scene_.products.image_format);
-      p.real("image_noise", scene_.products.image_noise);
-      p.real("cloud_spacing_m", scene_.products.cloud_spacing_m);
-    });
+    f.object("products", [&](JsonFields& p) { products(p); });
     f.finish();
     return std::move(scene_);
   }
@@ -193,6 +178,7 @@ class SceneReader {
     o.text("name", spec.name);
     o.text("class", spec.object_class);
     o.flag("sought", spec.sought);
+    o.text("material", spec.material);
     spec.seed = scene_.objects.size() + 1;
     o.seed("seed", spec.seed);
     if (const auto p = o.reals("position", 2)) spec.position = Vec2((*p)[0], (*p)[1]);
@@ -314,6 +300,49 @@ class SceneReader {
         if (!number.is_number()) f.fail("points", "this is no point", item.dump(0), allowed);
       flight.waypoints.push_back(item.as_vec3());
     }
+  }
+
+  void products(JsonFields& f) {
+    Products& p = scene_.products;
+    f.flag("images", p.images);
+    f.flag("depth", p.depth);
+    f.flag("masks", p.masks);
+    f.flag("meshes", p.meshes);
+    f.text("image_format", p.image_format);
+    f.object("cloud", [&](JsonFields& c) { cloud(c); });
+    f.object("render", [&](JsonFields& r) {
+      r.integer("samples", p.render.samples);
+      r.real("far_m", p.render.far_m);
+      r.real("image_noise", p.render.image_noise);
+    });
+    f.object("lighting", [&](JsonFields& l) {
+      l.real("sun_azimuth_deg", p.lighting.sun_azimuth_deg);
+      l.real("sun_elevation_deg", p.lighting.sun_elevation_deg);
+      l.flag("shadows", p.lighting.shadows);
+    });
+    f.object("depth_noise", [&](JsonFields& n) {
+      n.real("quadratic", p.depth_noise.quadratic);
+      n.real("nearest_m", p.depth_noise.nearest_m);
+      n.real("farthest_m", p.depth_noise.farthest_m);
+      n.real("edge_hole", p.depth_noise.edge_hole);
+      n.real("patch_hole", p.depth_noise.patch_hole);
+    });
+  }
+
+  void cloud(JsonFields& f) {
+    CloudOptions c;
+    f.real("spacing_m", c.spacing_m);
+    f.real("noise_m", c.noise_m);
+    f.real("waviness_m", c.waviness_m);
+    f.real("waviness_length_m", c.waviness_length_m);
+    f.real("outlier_share", c.outlier_share);
+    f.real("contact_width_m", c.contact_width_m);
+    f.real("margin_m", c.margin_m);
+    f.integer("min_views", c.min_views);
+    f.real("max_incidence_deg", c.max_incidence_deg);
+    f.real("max_range_m", c.max_range_m);
+    f.integer("views", scene_.products.cloud_views);
+    scene_.products.cloud = c;
   }
 
   void pose_noise(JsonFields& f) {

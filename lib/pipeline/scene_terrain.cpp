@@ -107,6 +107,7 @@ void heightmap(JsonFields& f, Terrain& t, const std::filesystem::path& path) {
 Terrain read_scene_terrain(JsonFields& f, SceneFiles& files) {
   Terrain t;
   f.require("kind");
+  f.text("material", t.material);
   switch (*f.choice("kind", {"fractal", "raster", "heightmap", "mesh"})) {
     case 0: fractal(f, t); break;
     case 1:

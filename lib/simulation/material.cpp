@@ -69,12 +69,21 @@ std::optional<Material> material_named(std::string_view name, std::uint64_t seed
     m = look(srgb(170, 140, 108), srgb(134, 108, 82), 2.4, 0.5, 0.35, 0.55);
     m.speckle = 0.35;
     m.speckle_m = 0.035;
+    m.stone_m = 0.22;
+    m.stones = 0.3;
+    m.stone = srgb(168, 150, 130);
   } else if (name == "gravel") {
     m = look(srgb(156, 148, 138), srgb(120, 112, 104), 1.5, 0.6, 0.12, 0.9);
     m.speckle = 0.6;
     m.speckle_m = 0.03;
+    m.stone_m = 0.14;
+    m.stones = 0.75;
+    m.stone = srgb(150, 144, 138);
   } else if (name == "grass") {
     m = look(srgb(122, 128, 74), srgb(160, 142, 94), 1.8, 0.55, 0.18, 0.8);
+    m.stone_m = 0.2;
+    m.stones = 0.12;
+    m.stone = srgb(150, 144, 130);
   } else if (name == "foliage") {
     m = look(srgb(84, 108, 54), srgb(62, 84, 44), 0.5, 0.6, 0.14, 0.9);
   } else if (name == "paint") {
@@ -118,11 +127,28 @@ SurfaceLook look_at(const Material& m, const Vec3& point, const Vec3& normal, do
   }
   colour *= std::max(0.1, brightness);
 
+  Vec3 stone_slope = Vec3::Zero();
+  double bare = 1.0;  // share of the ground's own relief that shows
+  if (m.stone_m > 0.0 && normal.z() > 0.5) {
+    double cell = m.stone_m;
+    for (std::uint64_t size = 0; size < 3; ++size, cell *= 0.45) {
+      const double carried = smooth_between(0.8, 2.5, 0.4 * cell / std::max(footprint, 1e-9));
+      if (!(carried > 0.0)) break;
+      const Stone stone = stone_at(point.head<2>(), m.seed + 51 + size, cell, m.stones);
+      if (!(stone.height > 0.0)) continue;
+      const double share = carried * smooth_between(0.0, 0.25, stone.height);
+      const double tone = 1.0 + 0.45 * stone.shade + 0.3 * (brightness - 1.0);
+      colour += share * (tone * m.stone - colour);
+      stone_slope = 0.8 * share * Vec3(stone.slope.x(), stone.slope.y(), 0.0);
+      bare = 1.0 - share;
+      break;
+    }
+  }
   SurfaceLook result{colour.cwiseMax(0.005).cwiseMin(0.95), normal};
   if (m.relief > 0.0) {
     Vec3 slope = filtered_noise_gradient(point, m.seed + 31, m.grain_m, footprint, 4, 0.72);
     slope -= slope.dot(normal) * normal;
-    result.normal = (normal - 0.22 * m.relief * slope).normalized();
+    result.normal = (normal - 0.22 * m.relief * bare * slope + stone_slope).normalized();
   }
   return result;
 }

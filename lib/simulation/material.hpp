@@ -18,11 +18,14 @@ struct Material {
   Colour albedo = Colour::Constant(0.35), second = Colour::Constant(0.25);  // mixed by coarse noise
   double patch_m = 0.8;                                                     // size of the patches of the two colours, m
   double contrast = 0.35;                                                   // of the fine grain's brightness, 0..1
-  double grain_m = 0.12;       // size of the coarsest grain, m; down to a sixty-fourth of it
-  double relief = 0.5;         // how much the grain bends the normal for shading, 0..1
-  double speckle = 0.0;        // share of dark and bright crystals, 0..1
-  double speckle_m = 0.012;    // their size, m
-  double lichen = 0.0;         // share of the surface under lichen, 0..1
+  double grain_m = 0.12;     // size of the coarsest grain, m; down to a sixty-fourth of it
+  double relief = 0.5;       // how much the grain bends the normal for shading, 0..1
+  double speckle = 0.0;      // share of dark and bright crystals, 0..1
+  double speckle_m = 0.012;  // their size, m
+  double lichen = 0.0;       // share of the surface under lichen, 0..1
+  double stone_m = 0.0;      // cells of strewn stones, the largest of three sizes, m; 0 = none (level ground only)
+  double stones = 0.0;       // share of the cells that hold one, 0..1
+  Colour stone = Colour::Constant(0.3);
   double strata_m = 0.0;       // thickness of horizontal bands, m; 0 = none
   bool vertex_colours = true;  // a mesh's own colours take the place of both albedos
   std::uint64_t seed = 0;

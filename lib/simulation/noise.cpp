@@ -63,7 +63,7 @@ const geometry::Mat3& octave_turn() {
 
 double carried(double wavelength, double footprint) {
   if (!(footprint > 0.0)) return 1.0;
-  return std::clamp((wavelength / footprint - 1.5) / 1.5, 0.0, 1.0);
+  return std::clamp((wavelength / footprint - 0.8) / 0.8, 0.0, 1.0);
 }
 
 }  // namespace
@@ -89,7 +89,7 @@ double fractal_noise(const geometry::Vec3& p, std::uint64_t seed, int octaves, d
 double filtered_noise(const geometry::Vec3& p, std::uint64_t seed, double wavelength, double footprint, int octaves,
                       double gain) {
   double sum = 0.0, total = 0.0, amplitude = 1.0, length = wavelength;
-  geometry::Vec3 q = p;
+  geometry::Vec3 q = octave_turn() * p;  // surfaces along the axes would show the lattice's squares
   for (int i = 0; i < octaves; ++i) {
     total += amplitude;
     const double weight = carried(length, footprint);
@@ -105,7 +105,7 @@ geometry::Vec3 filtered_noise_gradient(const geometry::Vec3& p, std::uint64_t se
                                        int octaves, double gain) {
   geometry::Vec3 sum = geometry::Vec3::Zero();
   double amplitude = 1.0, length = wavelength, total = 0.0;
-  geometry::Mat3 turn = geometry::Mat3::Identity();
+  geometry::Mat3 turn = octave_turn();
   for (int i = 0; i < octaves; ++i) {
     total += amplitude;
     if (const double weight = carried(length, footprint); weight > 0.0) {
@@ -127,6 +127,29 @@ geometry::Vec3 filtered_noise_gradient(const geometry::Vec3& p, std::uint64_t se
     turn = octave_turn() * turn;
   }
   return sum / total;
+}
+
+Stone stone_at(const geometry::Vec2& p, std::uint64_t seed, double cell, double share) {
+  Stone best;
+  const double fx = std::floor(p.x() / cell), fy = std::floor(p.y() / cell);
+  for (int j = -1; j <= 1; ++j)
+    for (int i = -1; i <= 1; ++i) {
+      const auto x = static_cast<std::int64_t>(fx) + i, y = static_cast<std::int64_t>(fy) + j;
+      const auto draw = [&](std::int64_t k) { return 0.5 + 0.5 * lattice(x, y, k, seed); };
+      if (draw(0) >= share) continue;
+      const double size = draw(3);
+      const double radius = cell * (0.16 + 0.34 * size * size), squeeze = 0.6 + 0.4 * draw(4), turn = 3.1416 * draw(5);
+      const geometry::Vec2 middle(cell * (static_cast<double>(x) + draw(1)), cell * (static_cast<double>(y) + draw(2)));
+      const geometry::Vec2 d = p - middle;
+      const double c = std::cos(turn), s = std::sin(turn);
+      const double u = (c * d.x() + s * d.y()) / radius, v = (c * d.y() - s * d.x()) / (squeeze * radius);
+      const double out = u * u + v * v, height = 1.0 - out;
+      if (height <= best.height) continue;
+      best.height = height;
+      best.slope = geometry::Vec2(c * u - s * v / squeeze, s * u + c * v / squeeze);
+      best.shade = lattice(x, y, 6, seed);
+    }
+  return best;
 }
 
 }  // namespace cairn::simulation

@@ -135,6 +135,7 @@ class Placer {
     object.truth.id = survey::ObjectId(static_cast<std::int64_t>(placed_.size()) + 1);
     object.truth.object_class = spec.object_class;
     object.truth.sought = spec.sought;
+    object.spec = index;
     object.name = spec.name.empty() ? spec.object_class + " " + std::to_string(object.truth.id.value) : spec.name;
     const std::string& name = object.name;
     base::Random random(spec.seed, "simulation shape " + std::to_string(index), static_cast<std::uint64_t>(copy));

@@ -20,6 +20,7 @@ struct PlacedObject {
   Shape shape;                     // world
   geometry::TriangleMesh exposed;  // body above the ground, world
   std::string name;                // of the scene; unique
+  std::size_t spec = 0;            // index in the scene's objects
 };
 
 // Ids from 1 in the order of the scene. Throws failed_precondition where a scatter finds no room after 10 000 tries

@@ -93,14 +93,47 @@ std::vector<Vec3> sky_directions(std::size_t count) {
 }
 
 // Share of the directions above each vertex that nothing near blocks.
+// Ground that no body stands near needs few rays: it is open, or changes slowly.
+std::vector<bool> near_bodies(const TriangleMesh& mesh, const std::vector<RenderBody>& bodies,
+                              const std::vector<std::uint32_t>& body_of, double reach) {
+  constexpr double kCell = 1.0;  // m
+  geometry::Box3 ground;
+  for (const Vec3& v : mesh.vertices) ground.extend(v);
+  const Vec3 size = ground.size();
+  const auto columns = static_cast<std::size_t>(std::min(size.x() / kCell, 20000.0)) + 1;
+  const auto rows = static_cast<std::size_t>(std::min(size.y() / kCell, 20000.0)) + 1;
+  const double width = size.x() / static_cast<double>(columns) + 1e-9,
+               height = size.y() / static_cast<double>(rows) + 1e-9;
+  const auto column = [&](double x) {
+    return static_cast<std::size_t>(std::clamp((x - ground.min.x()) / width, 0.0, static_cast<double>(columns - 1)));
+  };
+  const auto row = [&](double y) {
+    return static_cast<std::size_t>(std::clamp((y - ground.min.y()) / height, 0.0, static_cast<double>(rows - 1)));
+  };
+  std::vector<bool> cells(columns * rows, false), near(mesh.vertices.size(), false);
+  std::vector<geometry::Box3> boxes(bodies.size());
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i)
+    for (const auto v : mesh.triangles[i]) boxes[body_of[i]].extend(mesh.vertices[v]);
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    if (bodies[b].part == SurfacePart::terrain || boxes[b].empty()) continue;
+    for (std::size_t r = row(boxes[b].min.y() - reach); r <= row(boxes[b].max.y() + reach); ++r)
+      for (std::size_t c = column(boxes[b].min.x() - reach); c <= column(boxes[b].max.x() + reach); ++c)
+        cells[r * columns + c] = true;
+  }
+  for (std::size_t v = 0; v < near.size(); ++v)
+    near[v] = cells[row(mesh.vertices[v].y()) * columns + column(mesh.vertices[v].x())];
+  return near;
+}
+
 std::vector<float> openness(const TriangleMesh& mesh, const Fans& fans, const visibility::Scene& rays,
-                            const Lighting& light) {
+                            const Lighting& light, const std::vector<bool>& near) {
   std::vector<float> open(mesh.vertices.size(), 1.0F);
-  const auto directions = sky_directions(static_cast<std::size_t>(light.openness_rays));
-  if (directions.empty()) return open;
+  const auto all = sky_directions(static_cast<std::size_t>(light.openness_rays));
+  if (all.empty()) return open;
+  const auto few = sky_directions(std::max<std::size_t>(4, all.size() / 4));
   base::parallel_for(mesh.vertices.size(), kVertexGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<Vec3> ends(directions.size());
-    std::vector<std::uint8_t> blocked(directions.size());
+    std::vector<Vec3> ends;
+    std::vector<std::uint8_t> blocked;
     for (std::size_t v = begin; v < end; ++v) {
       Vec3 normal = Vec3::Zero();
       for (auto k = fans.first[v]; k < fans.first[v + 1]; ++k) normal += mesh.area_vector(fans.triangles[k]);
@@ -110,6 +143,9 @@ std::vector<float> openness(const TriangleMesh& mesh, const Fans& fans, const vi
           (std::abs(normal.x()) < 0.8 ? normal.cross(Vec3::UnitX()) : normal.cross(Vec3::UnitY())).normalized();
       const Vec3 other = normal.cross(side);
       const Vec3 from = mesh.vertices[v] + 0.004 * normal;
+      const auto& directions = near[v] ? all : few;
+      ends.resize(directions.size());
+      blocked.resize(directions.size());
       for (std::size_t d = 0; d < directions.size(); ++d)
         ends[d] = from + light.openness_m *
                              (directions[d].x() * side + directions[d].y() * other + directions[d].z() * normal);
@@ -159,7 +195,7 @@ struct RenderScene::Impl {
       : bodies(std::move(given)), light(lighting), mesh(joined(bodies, body_of, coloured)), rays(mesh) {
     const Fans fans(mesh);
     normals = corner_normals(mesh, fans);
-    open = openness(mesh, fans, rays, light);
+    open = openness(mesh, fans, rays, light, near_bodies(mesh, bodies, body_of, light.openness_m));
     const double a = base::deg_to_rad(light.sun_azimuth_deg), e = base::deg_to_rad(light.sun_elevation_deg);
     to_sun = Vec3(std::cos(e) * std::sin(a), std::cos(e) * std::cos(a), std::sin(e));
   }

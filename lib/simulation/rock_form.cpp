@@ -70,10 +70,10 @@ RockForm::RockForm(std::string_view family, double irregularity, base::Random& r
     swell_ = 0.04 + 0.26 * wild;
   } else {  // stacked
     const double lean = random.uniform(0.0, 2.0 * std::numbers::pi), shift = 0.05 + 0.2 * wild;
-    const double upper = random.uniform(0.62, 0.85);
-    balls_.push_back({Vec3(shift * std::cos(lean), shift * std::sin(lean), 0.42), Vec3(upper, upper, 0.56)});
-    balls_.push_back({Vec3(0.0, 0.0, -0.42), Vec3(1.0, 1.0, 0.55)});
-    swell_ = 0.03 + 0.22 * wild;
+    const double upper = random.uniform(0.62, 0.85), narrow = 1.0 - 0.3 * wild * random.uniform();
+    balls_.push_back({Vec3(shift * std::cos(lean), shift * std::sin(lean), 0.42), Vec3(upper, narrow * upper, 0.56)});
+    balls_.push_back({Vec3(0.0, 0.0, -0.42), Vec3(1.0, 1.0 - 0.25 * wild * random.uniform(), 0.55)});
+    swell_ = 0.06 + 0.36 * wild;
   }
 }
 
@@ -92,7 +92,7 @@ double RockForm::blended_balls(const Vec3& u) const {
   constexpr double kBlend = 18.0;  // a soft maximum: necks are rounded over a twentieth of the size
   double sum = 0.0;
   for (const Ball& ball : balls_) sum += std::exp(kBlend * leave_ellipsoid(u, ball.centre, ball.semi_axes));
-  return std::log(sum / 1.0) / kBlend;
+  return std::log(sum) / kBlend;
 }
 
 double RockForm::radius(const Vec3& u) const {

@@ -5,6 +5,8 @@
 
 #include "base/error.hpp"
 #include "base/number_text.hpp"
+#include "base/options.hpp"
+#include "simulation/material.hpp"
 
 namespace cairn::simulation {
 namespace {
@@ -171,6 +173,18 @@ void check_detector(const Detector& d, const Checker& check) {
   }
 }
 
+void check_materials(const Scene& scene, const Checker& check) {
+  const auto known = [&](const std::string& where, const std::string& name) {
+    if (material_named(name, 0)) return;
+    std::string names;
+    for (const auto& material : material_names()) names += (names.empty() ? "" : ", ") + material;
+    check.fail(where, name, names);
+  };
+  known("terrain.material", scene.terrain.material);
+  for (std::size_t i = 0; i < scene.objects.size(); ++i)
+    if (!scene.objects[i].material.empty()) known(item("objects", i) + ".material", scene.objects[i].material);
+}
+
 }  // namespace
 
 survey::Camera r200_camera() {
@@ -208,13 +222,12 @@ void validate(const Scene& scene) {
   check_detector(scene.detector, check);
   for (std::size_t i = 0; i < scene.confusions.size(); ++i)
     check.range(item("confusions", i) + ".probability", scene.confusions[i].probability, 0.0, 1.0);
-  check.range("depth_noise.sigma_m", scene.depth_noise.sigma_m, 0.0, 100.0);
-  check.range("depth_noise.sigma_per_m2", scene.depth_noise.sigma_per_m2, 0.0, 1.0);
-  check.range("depth_noise.dropout", scene.depth_noise.dropout, 0.0, 1.0);
-  check.range("depth_noise.min_m", scene.depth_noise.min_m, 0.0, 1e4);
-  check.range("depth_noise.max_m", scene.depth_noise.max_m, scene.depth_noise.min_m, 1e4);
-  check.range("products.image_noise", scene.products.image_noise, 0.0, 100.0);
-  check.not_negative("products.cloud_spacing_m", scene.products.cloud_spacing_m);
+  check_materials(scene, check);
+  Products products = scene.products;
+  base::validate(base::bind_options(products.render), "simulate, products.render");
+  base::validate(base::bind_options(products.depth_noise), "simulate, products.depth_noise");
+  if (products.cloud) base::validate(base::bind_options(*products.cloud), "simulate, products.cloud");
+  check.range("products.cloud.views", static_cast<double>(products.cloud_views), 0.0, 1e6);
   if (scene.products.image_format != "jpg" && scene.products.image_format != "png")
     check.fail("products.image_format", scene.products.image_format, "jpg or png");
 }

@@ -12,6 +12,8 @@
 #include "geometry/primitives.hpp"
 #include "geometry/triangle_mesh.hpp"
 #include "geometry/vec.hpp"
+#include "simulation/render.hpp"
+#include "simulation/sampled_cloud.hpp"
 #include "simulation/shape.hpp"
 #include "survey/camera.hpp"
 
@@ -35,6 +37,7 @@ struct Terrain {
   geometry::Grid<float> heights;
   // Of kind mesh: local ENU, facing up; a point's ground is the highest surface above it.
   geometry::TriangleMesh mesh;
+  std::string material = "gravel";  // of material_names()
 };
 
 // Where copies of an object stand.
@@ -52,6 +55,7 @@ struct ObjectSpec {
   std::string object_class;  // what a perfect detector calls it
   bool sought = false;       // the survey is flown for it; else a distractor
   ShapeSpec shape;
+  std::string material;    // of material_names(); "" = granite, of trees foliage
   std::uint64_t seed = 0;  // of an irregular shape and of the scatter: the run's seed changes neither
   // One of the two. `position` is east-north; `up_m` set = the foot stands there, unset = it rests on the ground:
   // no part of its base is above the ground.
@@ -159,19 +163,16 @@ struct Confusion {
   double probability = 0;  // each box of class `of` is called `as` with it, 0..1
 };
 
-// Depth of a pixel at z m: sigma = sigma_m + sigma_per_m2 z^2, dropped with probability dropout.
-struct DepthNoise {
-  double sigma_m = 0.0, sigma_per_m2 = 0.0, dropout = 0.0;
-  double min_m = 0.1, max_m = 60.0;  // outside: no depth
-};
-
-// What is rendered beside the tables.
+// What is recorded beside the tables.
 struct Products {
   bool images = false, depth = false, masks = false;
   std::string image_format = "jpg";  // "jpg" or "png"
-  double image_noise = 2.0;          // sigma of grey values, 0..255
-  double cloud_spacing_m = 0.0;      // > 0: a labelled cloud of the visible surface
-  bool meshes = true;                // truth/meshes
+  RenderOptions render;              // `image` is ignored: see `images`
+  Lighting lighting;
+  DepthNoise depth_noise;
+  std::optional<CloudOptions> cloud;  // a labelled cloud of the surface that the flight saw
+  std::int64_t cloud_views = 200;     // frames, evenly chosen, that the cloud is seen from, >= 1; 0 = from everywhere
+  bool meshes = true;                 // truth/meshes and the terrain's mesh
 };
 
 struct Scene {
@@ -186,7 +187,6 @@ struct Scene {
   PoseNoise pose_noise;
   Detector detector;
   std::vector<Confusion> confusions;
-  DepthNoise depth_noise;
   Products products;
 };
 

@@ -9,6 +9,7 @@
 #include "simulation/detector.hpp"
 #include "simulation/flight.hpp"
 #include "simulation/ground.hpp"
+#include "simulation/material.hpp"
 #include "simulation/object_boxes.hpp"
 #include "simulation/placement.hpp"
 #include "simulation/pose_noise.hpp"
@@ -155,8 +156,36 @@ Recording Rehearsal::record(std::uint64_t seed) const {
     recording.truth.objects.push_back(object.truth);
     recording.shapes.push_back(object.shape);
     recording.names.push_back(object.name);
+    recording.specs.push_back(object.spec);
   }
   return recording;
+}
+
+std::vector<RenderBody> render_bodies(const Scene& scene, const Recording& recording) {
+  std::vector<RenderBody> bodies;
+  RenderBody ground;
+  ground.mesh = recording.terrain;
+  ground.material = *material_named(scene.terrain.material, scene.terrain.seed);
+  ground.part = SurfacePart::terrain;
+  bodies.push_back(std::move(ground));
+  for (std::size_t i = 0; i < recording.shapes.size(); ++i) {
+    const ObjectSpec& spec = scene.objects[recording.specs[i]];
+    const ShapeKind kind = spec.shape.kind;
+    const std::string usual = kind == ShapeKind::tree ? "foliage" : kind == ShapeKind::cone ? "paint" : "granite";
+    RenderBody body;
+    body.mesh = recording.shapes[i].body;
+    body.material = *material_named(spec.material.empty() ? usual : spec.material, i + 1);
+    body.part = kind == ShapeKind::tree || kind == ShapeKind::cone ? SurfacePart::other : SurfacePart::rock;
+    body.object = recording.truth.objects[i].id.value;
+    body.contact_rim = recording.shapes[i].contact_rim;
+    RenderBody pedestal;
+    pedestal.mesh = recording.shapes[i].pedestal;
+    pedestal.material = body.material;
+    pedestal.part = SurfacePart::pedestal;
+    bodies.push_back(std::move(body));
+    if (!pedestal.mesh.triangles.empty()) bodies.push_back(std::move(pedestal));
+  }
+  return bodies;
 }
 
 Recording simulate(const Scene& scene, std::uint64_t seed, base::RunContext& ctx) {

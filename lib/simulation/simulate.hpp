@@ -21,6 +21,7 @@ struct Recording {
   geometry::TriangleMesh terrain;  // local ENU, m, facing up
   std::vector<Shape> shapes;       // world; one a truth object, in their order
   std::vector<std::string> names;  // of the objects, in their order
+  std::vector<std::size_t> specs;  // index in the scene's objects of each
   // Of each frame: the object whose estimation circle (A22) it belongs to; invalid on the search.
   std::vector<survey::ObjectId> circled;
 };
@@ -47,6 +48,9 @@ class Rehearsal {
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+// The ground and the objects of a recording with the scene's materials, for the renderer. Objects carry their ids.
+[[nodiscard]] std::vector<RenderBody> render_bodies(const Scene& scene, const Recording& recording);
 
 // One recording.
 [[nodiscard]] Recording simulate(const Scene& scene, std::uint64_t seed, base::RunContext& ctx);

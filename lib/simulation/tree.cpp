@@ -70,9 +70,9 @@ constexpr std::array<std::uint8_t, 3> kBark = {104, 84, 66};
 
 // Greens of one tree differ a little from branch to branch.
 std::array<std::uint8_t, 3> leaf(std::string_view family, double shade) {
-  const std::array<double, 3> base = family == "conifer" ? std::array<double, 3>{58.0, 84.0, 52.0}
-                                     : family == "bush"  ? std::array<double, 3>{112.0, 118.0, 74.0}
-                                                         : std::array<double, 3>{84.0, 108.0, 54.0};
+  const std::array<double, 3> base = family == "conifer" ? std::array<double, 3>{74.0, 88.0, 66.0}
+                                     : family == "bush"  ? std::array<double, 3>{118.0, 118.0, 84.0}
+                                                         : std::array<double, 3>{96.0, 108.0, 72.0};
   std::array<std::uint8_t, 3> colour{};
   for (std::size_t i = 0; i < 3; ++i) colour[i] = static_cast<std::uint8_t>(base[i] * (0.85 + 0.3 * shade));
   return colour;
