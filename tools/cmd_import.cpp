@@ -1,10 +1,12 @@
-// cairn import dji|colmap|csv INPUT -o SURVEY
+// cairn import dji|colmap|opensfm|csv INPUT -o SURVEY
 #include <cmath>
 #include <limits>
 
+#include "io/detections.hpp"
 #include "pipeline/import_colmap.hpp"
 #include "pipeline/import_csv.hpp"
 #include "pipeline/import_dji.hpp"
+#include "pipeline/import_opensfm.hpp"
 #include "pipeline/run_record.hpp"
 #include "tools/command.hpp"
 
@@ -29,15 +31,23 @@ const std::vector<std::string>& height_types() {
 class ImportCommand final : public Command {
  public:
   void declare(Arguments& arguments) override {
-    arguments.word("format", format_, {"dji", "colmap", "csv"}, "What is imported");
-    arguments.input("input", input_, "Folder of images (dji), model folder (colmap), table of frames (csv)");
+    arguments.word("format", format_, {"dji", "colmap", "opensfm", "csv"}, "What is imported");
+    arguments.input("input", input_,
+                    "Folder of images (dji), model folder (colmap), reconstruction or project folder (opensfm), table "
+                    "of frames (csv)");
     arguments.output(out_, "Survey folder to make");
-    arguments.option("images", images_, "Folder of the images (colmap, csv)");
+    arguments.option("images", images_, "Folder of the images (colmap, opensfm, csv)");
     arguments.option("origin", origin_, "LAT,LON,HEIGHT of the local frame, degrees and metres");
     arguments.choice("height-type", height_type_, height_types(), "What the origin's height is measured from");
     arguments.option("name", in_.name, "Name of the survey; the folder's name where it is not given");
-    arguments.option("detections", in_.detections,
-                     "Boxes to attach (CSV: image,class,xmin_px,ymin_px,xmax_px,ymax_px,score)");
+    arguments.option(
+        "detections", in_.detections,
+        "Boxes to attach: CSV (image,class,xmin_px,ymin_px,xmax_px,ymax_px,score), COCO, YOLO, Pascal VOC, "
+        "CVAT, darknet, MOT");
+    std::vector<std::string> box_formats{"auto"};
+    box_formats.insert(box_formats.end(), io::box_format_names().begin(), io::box_format_names().end());
+    arguments.choice("detections-format", in_.detections_format, box_formats, "Format of the boxes");
+    arguments.option("detections-names", in_.detections_names, "Class names of boxes that number them, one a line");
     arguments.option("detections-scale", detections_scale_,
                      "Box pixels times this are image file pixels; default: the scale of the images");
     arguments.option("cloud", in_.cloud, "Point cloud to attach (LAS)");
@@ -51,6 +61,7 @@ class ImportCommand final : public Command {
     arguments.choice("takeoff-datum", dji_.takeoff_datum, {"ellipsoidal", "egm96"}, "dji: what it is measured from");
     arguments.option("rotate", dji_.rotate,
                      "dji: images whose pixels were turned by 180 degrees (DJI_0024-DJI_0029,...)");
+    arguments.option("tracks", tracks_, "opensfm: tracks.csv; default: the one beside the reconstruction");
     arguments.option("scale-images", scale_images_, "colmap: image file pixels per model pixel (0.4)");
     arguments.option("camera", csv_.camera, "csv, dji: MODEL,WIDTH,HEIGHT,PARAMETERS as in COLMAP");
     arguments.choice("pose", csv_.pose, {"camera-to-world", "world-to-camera"}, "csv: direction of the quaternions");
@@ -60,6 +71,7 @@ class ImportCommand final : public Command {
     arguments.example(
         "cairn import colmap sparse/0 --images photos --origin 46.8426,-91.9940,158.0 --height-type ellipsoidal "
         "--detections boxes.csv -o survey");
+    arguments.example("cairn import opensfm project/reconstruction.json --images project/images -o survey");
     arguments.example(
         "cairn import csv frames.csv --images photos --camera PINHOLE,1600,900,914,914,800,450 "
         "--pose camera-to-world --origin 46.84,-91.99,158 --height-type ellipsoidal -o survey");
@@ -99,7 +111,7 @@ class ImportCommand final : public Command {
   // The model's and the images' files by content; the images of a table are those it names.
   [[nodiscard]] std::vector<pipeline::InputDigest> digests() const {
     std::vector<std::filesystem::path> inputs{input_};
-    for (const auto* path : {&in_.detections, &in_.cloud, &in_.similarity})
+    for (const auto* path : {&in_.detections, &in_.cloud, &in_.similarity, &tracks_})
       if (!path->empty()) inputs.push_back(*path);
     return pipeline::digest_inputs(inputs);
   }
@@ -113,6 +125,7 @@ class ImportCommand final : public Command {
       return pipeline::import_dji(dji_, staged, ctx);
     }
     if (format_ == "colmap") return pipeline::import_colmap({in_, input_, images_, given(scale_images_)}, staged, ctx);
+    if (format_ == "opensfm") return pipeline::import_opensfm({in_, input_, tracks_, images_}, staged, ctx);
     csv_.common = in_;
     csv_.table = input_;
     csv_.images = images_;
@@ -120,7 +133,7 @@ class ImportCommand final : public Command {
   }
 
   std::string format_, origin_, height_type_, cloud_height_type_ = "unknown";
-  std::filesystem::path input_, out_, images_;
+  std::filesystem::path input_, out_, images_, tracks_;
   double detections_scale_ = kNotGiven, takeoff_height_ = kNotGiven, scale_images_ = kNotGiven;
   pipeline::ImportInputs in_;
   pipeline::ImportDjiInputs dji_;

@@ -13,10 +13,12 @@ namespace fs = std::filesystem;
 class RefineCommand final : public Command {
  public:
   void declare(Arguments& arguments) override {
-    arguments.input("survey", in_.survey, "Survey folder with tie points");
+    arguments.input("survey", in_.survey, "Survey folder with tie points, or with images for --match");
     arguments.output(out_, "Folder of the refined survey");
+    arguments.option("control", in_.control, "Ground control points: gcp_list.txt, OpenSfM's JSON, or a CSV table");
     arguments.options(base::bind_options(options_));
     arguments.example("cairn refine samples/brighton_beach/survey -o refined --json");
+    arguments.example("cairn refine survey --match --control gcp_list.txt -o refined");
     arguments.example("cairn refine survey --intrinsics radial --prior-sigma-xy-m 2 --prior-sigma-z-m 4 -o refined");
   }
 
@@ -24,6 +26,11 @@ class RefineCommand final : public Command {
     std::vector<fs::path> named{in_.survey / "survey.json", in_.survey / "frames.csv"};
     for (const auto* optional : {"detections.csv", "tie_points.csv", "tie_observations.csv"})
       if (fs::exists(in_.survey / optional)) named.push_back(in_.survey / optional);
+    if (!in_.control.empty()) named.push_back(in_.control);
+    if (options_.match)
+      for (const auto& frame : io::read_survey(in_.survey).frames)
+        if (const auto image = io::resolve_reference(frame.image, in_.survey); fs::exists(image))
+          named.push_back(image);
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) {
       const auto survey = io::read_survey(in_.survey);

@@ -48,6 +48,11 @@ void place_points(BundleWork& work, bool first, double gate_px) {
   }
 }
 
+void prune(BundleWork& work) {
+  prune_tracks(work.views(), {work.options.min_observations, base::deg_to_rad(work.options.min_parallax_deg)},
+               work.tracks, work.held);
+}
+
 // Which observations count now: those near enough to their point.
 std::size_t select(BundleWork& work, double gate_px) {
   const Views views = work.views();
@@ -116,6 +121,7 @@ void choose_datum(BundleWork& work) {
                : by_control.contains(largest) ? BundleGauge::control
                                               : BundleGauge::aligned;
   for (std::size_t f = 0; f < groups.size(); ++f) {
+    if (work.never_used[f] != 0) continue;
     if (groups[f] < 0) {
       work.reason[f] = "too_few_observations";
       continue;
@@ -123,9 +129,9 @@ void choose_datum(BundleWork& work) {
     const bool own = by_priors.contains(groups[f]) || by_control.contains(groups[f]);
     const bool kept = groups[f] == largest || (work.gauge != BundleGauge::aligned && own);
     work.reason[f] = kept ? "" : work.gauge == BundleGauge::aligned ? "not_connected" : "no_datum";
-    if (!kept) work.held[f] = 1;
+    if (!kept) work.held[f] = work.never_used[f] = 1;
   }
-  prune_tracks(work.views(), {work.options.min_observations, 0.0}, work.tracks, work.held);
+  prune(work);
   for (std::size_t f = 0; f < groups.size(); ++f)
     if (work.held[f] != 0 && work.reason[f].empty()) work.reason[f] = "too_few_observations";
 }

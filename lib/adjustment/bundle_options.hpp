@@ -9,15 +9,17 @@
 namespace cairn::adjustment {
 
 struct BundleOptions {
-  std::string intrinsics = "none";  // none | focal | radial | all (camera/projection_jacobian.hpp)
-  std::string loss = "huber";       // none | huber | cauchy, on the tie observations
-  double loss_scale = 2.0;          // sigmas at which the loss leaves the square
-  double sigma_px = 0.0;            // 1 sigma of a tie observation in u and in v; 0 = estimated from the residuals
-  double control_sigma_px = 1.0;    // the same of a control point's observations
-  double outlier_sigmas = 5.0;      // observations farther off than this are removed; 0 = none are
-  std::int64_t max_rounds = 6;      // of: solve, estimate sigma_px, remove outliers
+  // none | focal | distortion | radial | all (camera/projection_jacobian.hpp); auto = none, unless the stage knows
+  // better
+  std::string intrinsics = "auto";
+  std::string loss = "huber";     // none | huber | cauchy, on the tie observations
+  double loss_scale = 3.0;        // sigmas at which the loss leaves the square
+  double sigma_px = 0.0;          // 1 sigma of a tie observation in u and in v; 0 = estimated from the residuals
+  double control_sigma_px = 1.0;  // the same of a control point's observations
+  double outlier_sigmas = 5.0;    // observations farther off than this are removed; 0 = none are
+  std::int64_t max_rounds = 6;    // of: solve, estimate sigma_px, remove outliers
   std::int64_t max_iterations = 50;
-  double function_tolerance = 1e-7;    // relative change of the cost at which a solve ends
+  double function_tolerance = 1e-6;    // relative change of the cost at which a solve ends
   std::int64_t min_observations = 8;   // a frame with fewer keeps its pose
   double min_parallax_deg = 0.3;       // a point whose rays meet at less takes no part
   std::string triangulate = "better";  // better | always | never: points anew from the start poses
@@ -27,10 +29,11 @@ struct BundleOptions {
   double prior_sigma_rot_deg = 0.0;
   double prior_loss_scale = 3.0;              // Huber's, per frame [sigmas]: one wrong prior bends nothing; 0 = none
   std::string covariance = "auto";            // auto | full | block | none
-  std::int64_t full_covariance_frames = 400;  // auto: up to this many frames with all correlations
+  std::int64_t full_covariance_frames = 200;  // auto: up to this many frames with all correlations
 
   void visit(base::OptionVisitor& v) {
-    v.choice("intrinsics", intrinsics, {"none", "focal", "radial", "all"}, "intrinsics that may change");
+    v.choice("intrinsics", intrinsics, {"auto", "none", "focal", "distortion", "radial", "all"},
+             "intrinsics that may change");
     v.choice("loss", loss, {"none", "huber", "cauchy"}, "loss of the tie observations");
     v.real("loss-scale", loss_scale, 0.1, 100.0, "sigmas at which the loss leaves the square");
     v.real("sigma-px", sigma_px, 0.0, 100.0, "1 sigma of a tie observation; 0 = estimated [px]");

@@ -171,7 +171,7 @@ void prune_tracks(const Views& views, const TrackLimits& limits, std::vector<Tra
   for (auto& track : tracks) {
     track.reason = {};
     track.used = track.placed;
-    if (!track.placed) track.reason = "not_triangulated";
+    if (!track.placed) track.reason = track.observations.size() < 2 ? "seen_once" : "not_triangulated";
   }
   bool parallax_known = false;
   for (bool changed = true; changed;) {

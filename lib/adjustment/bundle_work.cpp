@@ -20,10 +20,11 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 camera::IntrinsicsSet intrinsics_set(const std::string& name) {
-  return name == "focal"    ? camera::IntrinsicsSet::focal
-         : name == "radial" ? camera::IntrinsicsSet::radial
-         : name == "all"    ? camera::IntrinsicsSet::all
-                            : camera::IntrinsicsSet::none;
+  return name == "focal"        ? camera::IntrinsicsSet::focal
+         : name == "distortion" ? camera::IntrinsicsSet::distortion
+         : name == "radial"     ? camera::IntrinsicsSet::radial
+         : name == "all"        ? camera::IntrinsicsSet::all
+                                : camera::IntrinsicsSet::none;
 }
 
 BundleLoss loss_of(const std::string& name) {

@@ -25,7 +25,7 @@ int radial_terms(CameraModel model) {
 template <typename AnyCamera, typename Take>
 void for_each_parameter(AnyCamera& camera, IntrinsicsSet set, Take&& take) {
   if (set == IntrinsicsSet::none) return;
-  take(camera.fx_px);
+  if (set != IntrinsicsSet::distortion) take(camera.fx_px);
   if (set == IntrinsicsSet::all) {
     take(camera.cx_px);
     take(camera.cy_px);
@@ -122,7 +122,7 @@ bool project_with_jacobian(const Camera& camera, const Vec3& p, IntrinsicsSet se
   constexpr double kNearest = 1e-9;  // m
   if (!(p.z() > kNearest)) return false;
   Distorted at;
-  const bool terms = by_intrinsics != nullptr && (set == IntrinsicsSet::radial || set == IntrinsicsSet::all);
+  const bool terms = by_intrinsics != nullptr && set != IntrinsicsSet::none && set != IntrinsicsSet::focal;
   if (camera.model == CameraModel::fisheye) equidistant(camera, p, at);
   else perspective(camera, p, terms, at);
   const Vec2 focal(camera.fx_px, camera.fy_px);
@@ -131,7 +131,7 @@ bool project_with_jacobian(const Camera& camera, const Vec3& p, IntrinsicsSet se
   by_point.row(1) = focal.y() * at.by_point.row(1);
   if (by_intrinsics == nullptr || set == IntrinsicsSet::none) return true;
   int column = 0;
-  by_intrinsics->col(column++) = Vec2(at.d.x(), at.d.y() * focal.y() / focal.x());
+  if (set != IntrinsicsSet::distortion) by_intrinsics->col(column++) = Vec2(at.d.x(), at.d.y() * focal.y() / focal.x());
   if (set == IntrinsicsSet::all) {
     by_intrinsics->col(column++) = Vec2(1.0, 0.0);
     by_intrinsics->col(column++) = Vec2(0.0, 1.0);

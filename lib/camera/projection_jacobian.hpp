@@ -13,9 +13,10 @@ namespace cairn::camera {
 // Which intrinsics an adjustment may change.
 //   none:   nothing;
 //   focal:  f (fx = f, fy keeps its ratio to fx);
+//   distortion: the radial terms alone, f held: where the images cannot tell f from the height of the flight;
 //   radial: f and the radial terms of the model (pinhole: f; radial: k1 k2; brown: k1 k2 k3; fisheye: k1 to k4);
 //   all:    the same, the principal point, and p1 p2 where the model has them.
-enum class IntrinsicsSet { none, focal, radial, all };
+enum class IntrinsicsSet { none, focal, distortion, radial, all };
 
 constexpr int kMaxIntrinsics = 8;
 using IntrinsicsJacobian = Eigen::Matrix<double, 2, kMaxIntrinsics, Eigen::RowMajor>;

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "geometry/colour_image.hpp"
 #include "geometry/grey_image.hpp"
 
 namespace cairn::io {
@@ -29,6 +30,9 @@ struct ImageHeader {
 // decoded at 1/2, 1/4 or 1/8 (JPEG: nearly for free), the largest fraction that is not wider; 0 = full
 // size. Images above 400 Mpx are refused. Throws as above, and invalid_input where decoding fails.
 [[nodiscard]] geometry::GreyImage read_grey_image(const std::filesystem::path& path, std::int64_t max_width_px = 0);
+
+// Red, green, blue of the raw raster, at full size; grey images have three equal channels. Refuses as above.
+[[nodiscard]] geometry::ColourImage read_colour_image(const std::filesystem::path& path);
 
 // Red, green, blue of each pixel, row-major from the top. By the name's extension: .png (lossless), or .jpg / .jpeg
 // of the given quality (1..100). Throws invalid_argument for another extension or a size that does not fit the

@@ -225,17 +225,6 @@ void write_frame_table(const fs::path& path, const std::vector<survey::Frame>& f
   table.finish();
 }
 
-void write_detections(const fs::path& path, const std::vector<survey::Detection>& detections) {
-  CsvWriter table(path, kDetectionColumns);
-  for (const auto& d : detections) {
-    require_finite({d.score, d.box.xmin, d.box.ymin, d.box.xmax, d.box.ymax}, "detection " + text_of(d.id.value));
-    table.cell(d.id.value).cell(d.frame.value).cell(d.object_class).cell(d.score);
-    table.cell(d.box.xmin).cell(d.box.ymin).cell(d.box.xmax).cell(d.box.ymax);
-    table.end_row();
-  }
-  table.finish();
-}
-
 void write_ties(const fs::path& folder, const std::vector<survey::TiePoint>& ties) {
   CsvWriter points(folder / "tie_points.csv", {"tie_id", "x_m", "y_m", "z_m"});
   CsvWriter observations(folder / "tie_observations.csv", {"tie_id", "frame_id", "u_px", "v_px"});
@@ -289,6 +278,17 @@ void write_survey(const survey::Survey& survey, const fs::path& folder) {
     error.default_file(folder.string());
     throw;
   }
+}
+
+void write_detections(const fs::path& path, std::span<const survey::Detection> detections) {
+  CsvWriter table(path, kDetectionColumns);
+  for (const auto& d : detections) {
+    require_finite({d.score, d.box.xmin, d.box.ymin, d.box.xmax, d.box.ymax}, "detection " + text_of(d.id.value));
+    table.cell(d.id.value).cell(d.frame.value).cell(d.object_class).cell(d.score);
+    table.cell(d.box.xmin).cell(d.box.ymin).cell(d.box.xmax).cell(d.box.ymax);
+    table.end_row();
+  }
+  table.finish();
 }
 
 std::vector<survey::Frame> read_frames(const fs::path& path) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -25,6 +26,9 @@ namespace cairn::io {
 // `exact_pose`, reads back bit for bit; the rotation of any other to within 1e-15.
 // Throws invalid_input where a value is not finite, resource_exhausted where a write fails.
 void write_survey(const survey::Survey& survey, const std::filesystem::path& folder);
+
+// A table of detections alone, in the order given. Throws as write_survey.
+void write_detections(const std::filesystem::path& path, std::span<const survey::Detection> detections);
 
 // A table of frames by itself, such as truth/frames.csv: the same columns and checks; any camera id is taken.
 [[nodiscard]] std::vector<survey::Frame> read_frames(const std::filesystem::path& path);

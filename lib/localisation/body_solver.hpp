@@ -13,8 +13,8 @@ namespace cairn::localisation {
 
 // Left, top, right, bottom side of a box, as the plane through the camera centre and that line of the ideal image.
 // normal.(p - camera) = depth of p times (pixel of p - pixel of the side), so a body touches the plane where
-// normal.(c - camera) + sign h(normal) = 0; that divided by the depth of c is the residual in pixels. To first order
-// it is the difference between the outline of the body (of an ellipsoid: the conic P Q* P^T) and the side.
+// normal.(c - camera) + sign h(sign normal) = 0; that divided by the depth of c is the residual in pixels. To first
+// order it is the difference between the outline of the body (of an ellipsoid: the conic P Q* P^T) and the side.
 struct BoxPlanes {
   geometry::Vec3 camera = geometry::Vec3::Zero();    // relative to the origin of the parameters, m
   geometry::Vec3 forward = geometry::Vec3::UnitZ();  // optical axis, unit
@@ -33,10 +33,19 @@ using BodyVector = Eigen::Matrix<double, static_cast<int>(kBodyParameters), 1>;
 using BodyMatrix = Eigen::Matrix<double, static_cast<int>(kBodyParameters), static_cast<int>(kBodyParameters)>;
 using SideJacobian = Eigen::Matrix<double, 4, static_cast<int>(kBodyParameters), Eigen::RowMajor>;
 
-// Independent normal priors; sigma 0 = none. That of kLogHalfHeight is on t - p: the half height against the mean
-// level semi-axis.
+// Normal priors. Of the ellipsoid: independent, sigma 0 = none; that of kLogHalfHeight is on t - p, the half height
+// against the mean level semi-axis. Of the harmonics: mean and inverse covariance.
 struct BodyPrior {
-  BodyVector mean = BodyVector::Zero(), sigma = BodyVector::Zero();
+  Eigen::Matrix<double, static_cast<int>(kEllipsoidParameters), 1> mean, sigma;
+  Eigen::Matrix<double, static_cast<int>(kHarmonics), 1> harmonic_mean;
+  Eigen::Matrix<double, static_cast<int>(kHarmonics), static_cast<int>(kHarmonics)> harmonic_information;
+
+  BodyPrior() {
+    mean.setZero();
+    sigma.setZero();
+    harmonic_mean.setZero();
+    harmonic_information.setZero();
+  }
 };
 
 // Residuals of the four sides [px], not whitened; 0 where a side is not used. False where the body's

@@ -36,7 +36,7 @@ std::map<survey::ObjectId, std::vector<SurfacePatch>> exposed_surfaces(const sur
   return surfaces;
 }
 
-Json to_json(const StageScore& s) {
+Json stage_json(const StageScore& s) {
   std::map<std::string, std::size_t> reasons;
   Json entries = Json::array(), missed = Json::array();
   for (const auto& e : s.entries) {
@@ -138,7 +138,7 @@ Outcome evaluate_targets(const EvaluateInputs& in, const EvaluateOptions& option
   Outcome outcome;
   Json& s = outcome.summary;
   Json by_stage = Json::object();
-  for (const auto& stage : stages.stages) by_stage.set(std::string(survey::name_of(stage.stage)), to_json(stage));
+  for (const auto& stage : stages.stages) by_stage.set(std::string(survey::name_of(stage.stage)), stage_json(stage));
   s = Json::object({{"kind", "targets"},
                     {"targets", file.targets.size()},
                     {"targets_of_other_classes", stages.other_classes},

@@ -293,9 +293,13 @@ Outcome finish_import(Imported imported, const ImportInputs& in, double default_
   if (survey.manifest.name.empty()) survey.manifest.name = "survey";
   for (auto& frame : survey.frames) frame.T_world_camera = io::exact_pose(frame.T_world_camera);
   sort_records(imported);
-  if (!in.detections.empty())
-    attach_detections(imported, in.detections, in.detections_scale.value_or(default_detections_scale),
-                      in.survey_folder);
+  if (!in.detections.empty()) {
+    const double scale = in.detections_scale.value_or(default_detections_scale);
+    const bool table = in.detections_format == "csv" ||
+                       (in.detections_format == "auto" && lower(in.detections.extension().string()) == ".csv");
+    if (table) attach_detections(imported, in.detections, scale, in.survey_folder);
+    else attach_boxes(imported, in, scale);
+  }
   if (!in.cloud.empty()) attach_cloud(imported, in);
   if (in.strict) require_declared(survey);
   for (const auto& source : survey.manifest.sources)

@@ -20,6 +20,8 @@ struct ImportInputs {
   std::optional<geometry::Geodetic> origin;
   std::optional<survey::HeightType> height_type;  // of the origin's height
   std::filesystem::path detections;               // table of boxes; "" = none
+  std::string detections_format = "auto";         // of io::box_format_names(); auto = recognised
+  std::filesystem::path detections_names;         // class names of formats that number them; "" = none
   std::optional<double> detections_scale;         // box pixels * scale = image file pixels; default by importer
   std::filesystem::path cloud;                    // LAS; "" = none
   std::filesystem::path similarity;               // JSON; "" = the cloud shares the poses' frame
@@ -59,6 +61,11 @@ struct Imported {
 // score outside 0..1, a number that is not finite.
 void attach_detections(Imported& imported, const std::filesystem::path& table, double scale,
                        const std::filesystem::path& survey_folder);
+
+// The same for boxes of every other format (io/detections.hpp), joined by the image's name, its last part, or that part
+// without extension; where a file has frame numbers only, by their order (mot from 1, cvat from 0) or as frame ids.
+// Boxes that the file marks as not counting are left out, with a note.
+void attach_boxes(Imported& imported, const ImportInputs& in, double scale);
 
 // Similarity of a cloud as T_world_source. Accepted: {"scale", "rotation"|"quaternion", "translation_m",
 // "direction": "world_to_source" | "source_to_world"}, or a file whose member colmap_enu_to_cloud_enu

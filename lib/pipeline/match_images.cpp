@@ -1,6 +1,7 @@
 #include "pipeline/match_images.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/error.hpp"
 #include "base/number_text.hpp"
@@ -99,6 +100,31 @@ void put_right(const MatchedTies& ties, survey::Survey& survey, base::RunContext
   ctx.warn(note);
 }
 
+// Views straight down from one height over level ground do not tell the focal length from that height: what must be
+// said.
+std::string height_note(const MatchedTies& ties) {
+  if (!ties.ground_known || ties.start.empty()) return {};
+  constexpr double kDown = 0.94;  // cosine of 20 degrees
+  double least = std::numeric_limits<double>::infinity(), most = 0.0, sum = 0.0;
+  for (const auto& frame : ties.start) {
+    if (!(frame.T_world_camera.rotation.col(2).z() < -kDown)) return {};
+    const double height = frame.T_world_camera.translation.z() - ties.ground_up_m;
+    least = std::min(least, height);
+    most = std::max(most, height);
+    sum += height;
+  }
+  const double mean = sum / static_cast<double>(ties.start.size());
+  constexpr double kOneHeight = 0.25;
+  if (!(mean > 0.0) || most - least > kOneHeight * mean) return {};
+  constexpr double kPercent = 0.01;
+  return "All views look down from about one height (" + base::to_fixed(mean, 0) +
+         " m above the ground): the images cannot tell the focal length from this height. Where the focal length is "
+         "wrong by 1 %, the ground lies " +
+         base::to_fixed(kPercent * mean, 1) +
+         " m too high or too low and heights of objects are wrong by 1 %; horizontal positions keep the scale of the "
+         "GPS positions. Control points on the ground or oblique views would settle it.";
+}
+
 }  // namespace
 
 MatchedSurvey match_images(survey::Survey survey, const fs::path& folder, const adjustment::TieMatchOptions& options,
@@ -121,7 +147,14 @@ MatchedSurvey match_images(survey::Survey survey, const fs::path& folder, const 
         .allowed("images that overlap, with texture")
         .hint("Look at the images; raise --match-max-features or --match-max-width-px");
   put_right(ties, survey, ctx);
+  const std::string note = height_note(ties);
+  result.one_height = !note.empty();
+  if (result.one_height) {
+    survey.manifest.notes.push_back(note);
+    ctx.warn(note);
+  }
   result.summary = summary_of(ties, ties.ties.size());
+  if (result.one_height) result.summary.set("uncertain", note);
   survey.ties = std::move(ties.ties);
   ties.ties.clear();
   result.survey = std::move(survey);

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "camera/projection_jacobian.hpp"
+#include "io/control_points.hpp"
 #include "io/csv.hpp"
 #include "io/survey_folder.hpp"
 #include "pipeline/match_images.hpp"
@@ -168,35 +169,71 @@ survey::Survey refined(const survey::Survey& before, const BundleResult& result)
 
 }  // namespace
 
+namespace {
+
+// Matched images come from cameras that nobody calibrated: their distortion is found with the poses, their focal length
+// where the views tell it from the height. A camera without distortion terms gets them.
+void free_intrinsics(bool one_height, adjustment::BundleOptions& bundle, survey::Survey& survey) {
+  if (bundle.intrinsics == "auto") bundle.intrinsics = one_height ? "distortion" : "radial";
+  if (bundle.intrinsics == "none" || bundle.intrinsics == "focal") return;
+  for (auto& camera : survey.manifest.cameras)
+    if (camera.model == survey::CameraModel::pinhole) camera.model = survey::CameraModel::radial;
+}
+
+}  // namespace
+
 Outcome refine_stage(const RefineInputs& in, const fs::path& out, const RefineStageOptions& options,
                      base::RunContext& ctx) {
   survey::Survey survey = io::read_survey(in.survey);
   Json matching;
   std::vector<base::Reject> rejects;
+  std::vector<geometry::RigidTransform> start;
+  auto bundle = options.bundle;
   if (options.match) {
     auto matched = match_images(std::move(survey), in.survey, options.matching, ctx);
     survey = std::move(matched.survey);
     matching = std::move(matched.summary);
     rejects = std::move(matched.matching.rejects);
+    free_intrinsics(matched.one_height, bundle, survey);
+    for (const auto& frame : matched.matching.start) start.push_back(frame.T_world_camera);
   }
   if (survey.ties.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "the survey has no tie points")
         .file((in.survey / "tie_points.csv").string())
         .hint("Find them in the images with --match, or import a model that has them");
-  ctx.check_memory(survey.ties.size() * 4096, "the bundle adjustment");
-  const BundleResult result =
-      adjustment::adjust_bundle({survey.manifest.cameras, survey.frames, {}, survey.ties, {}}, options.bundle, ctx);
+  io::ControlPoints control;
+  if (!in.control.empty())
+    control = io::read_control_points(in.control, survey,
+                                      {.crs = options.control_crs, .image_scale = options.control_image_scale});
+  rejects.insert(rejects.end(), control.rejects.begin(), control.rejects.end());
+  std::size_t observations = 0;
+  for (const auto& tie : survey.ties) observations += tie.observations.size();
+  constexpr std::uint64_t kBytesPerObservation = 700;
+  ctx.check_memory(observations * kBytesPerObservation, "the bundle adjustment");
+  const BundleResult result = adjustment::adjust_bundle(
+      {survey.manifest.cameras, survey.frames, start, survey.ties, control.points}, bundle, ctx);
   if (!result.converged)
     ctx.warn(
         "the adjustment stopped at a limit, not at a minimum: look at the residuals, raise --max-rounds or "
         "--max-iterations");
+  for (const auto& point : result.control)
+    if (!point.reason.empty()) ctx.warn("control point " + point.name + " is not used: " + point.reason);
   survey::Survey after = refined(survey, result);
+  if (!in.control.empty()) {
+    survey::Source source;
+    source.kind = "control_points";
+    source.path = fs::absolute(in.control).string();
+    source.convention = control.convention;
+    source.crs = control.crs;
+    after.manifest.sources.push_back(std::move(source));
+  }
   move_references(after, in.survey, in.final_folder);
   io::write_survey(after, out);
   write_frames(out / "refine_frames.csv", result);
   std::error_code code;
   if (fs::exists(in.survey / "tracks.csv", code)) fs::copy_file(in.survey / "tracks.csv", out / "tracks.csv");
   Json summary = summary_of(survey, result);
+  summary.set("intrinsics", bundle.intrinsics == "auto" ? "none" : bundle.intrinsics);
   if (options.match) summary.set("matching", std::move(matching));
   rejects.insert(rejects.end(), result.rejects.begin(), result.rejects.end());
   return {std::move(summary), std::move(rejects)};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 
 #include "adjustment/bundle_options.hpp"
 #include "adjustment/tie_matches.hpp"
@@ -12,6 +13,7 @@ namespace cairn::pipeline {
 
 struct RefineInputs {
   std::filesystem::path survey;        // survey folder; it is not changed
+  std::filesystem::path control;       // ground control points (io/control_points.hpp); "" = none
   std::filesystem::path final_folder;  // where the result will stand: its references are relative to it
 };
 
@@ -19,11 +21,16 @@ struct RefineStageOptions {
   bool match = false;  // tie points from the images, in place of the survey's
   adjustment::TieMatchOptions matching;
   adjustment::BundleOptions bundle;
+  std::string control_crs;           // over what the file declares
+  double control_image_scale = 1.0;  // pixels of the file times this = pixels of the survey's images
 
   void visit(base::OptionVisitor& visitor) {
     visitor.flag("match", match, "find tie points in the images, in place of the survey's");
     matching.visit(visitor);
     bundle.visit(visitor);
+    visitor.text("control-crs", control_crs, "CRS of the control points, over what their file declares");
+    visitor.real("control-image-scale", control_image_scale, 1e-3, 1e3,
+                 "pixels of the control points' file times this = pixels of the survey's images");
   }
 };
 

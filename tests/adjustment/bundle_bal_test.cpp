@@ -16,8 +16,8 @@ TEST(BundleBal, Dubrovnik) {
   base::RunContext ctx;
   const auto round = solve_bundle(system, {200, 1e-10}, ctx);
   EXPECT_TRUE(round.converged) << round.termination;
-  std::printf("%.9f -> %.9f\n", round.cost_before, round.cost_after);
-  EXPECT_LT(round.cost_after, 0.05);
+  EXPECT_GT(round.cost_before, 1000.0);
+  EXPECT_LT(round.cost_after, 1e-6);  // 38 equations, 41 unknowns of which 7 are free: it can be met exactly
 }
 
 TEST(BundleBal, MadeUpProblemEndsAtItsNoise) {

@@ -74,7 +74,7 @@ TEST_P(Jacobian, ByPointMatchesDifferences) {
 TEST_P(Jacobian, ByIntrinsicsMatchesDifferences) {
   const Camera c = camera_of(GetParam());
   base::Random random(3, "jacobian", 0);
-  for (const auto set : {IntrinsicsSet::focal, IntrinsicsSet::radial, IntrinsicsSet::all}) {
+  for (const auto set : {IntrinsicsSet::focal, IntrinsicsSet::distortion, IntrinsicsSet::radial, IntrinsicsSet::all}) {
     const auto values = intrinsics_of(c, set);
     ASSERT_EQ(static_cast<int>(values.size()), intrinsics_count(c.model, set));
     EXPECT_EQ(with_intrinsics(c, set, values), c);
@@ -114,6 +114,7 @@ TEST(Intrinsics, CountsByModelAndSet) {
   EXPECT_EQ(intrinsics_count(CameraModel::brown, IntrinsicsSet::focal), 1);
   EXPECT_EQ(intrinsics_count(CameraModel::pinhole, IntrinsicsSet::radial), 1);
   EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::radial), 3);
+  EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::distortion), 2);
   EXPECT_EQ(intrinsics_count(CameraModel::radial, IntrinsicsSet::all), 5);
   EXPECT_EQ(intrinsics_count(CameraModel::brown, IntrinsicsSet::all), 8);
   EXPECT_EQ(intrinsics_count(CameraModel::fisheye, IntrinsicsSet::all), 7);

@@ -165,7 +165,9 @@ TEST(Simulate, WhatStandsInFrontHides) {
   const Recording r = made(scene);
   ASSERT_GE(r.truth.boxes.size(), 3U);
   for (const auto& box : r.truth.boxes) {
-    if (box.object.value == 1) EXPECT_EQ(box.visible_share, 1.0);
+    if (box.object.value == 1) {
+      EXPECT_EQ(box.visible_share, 1.0);
+    }
     EXPECT_NE(box.object.value, 2) << "wholly hidden objects have no box";
   }
   scene.objects[2].shape.size_m = {3, 0.2, 1.0};  // now the line of sight passes over its top half

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <deque>
 #include <memory>
+#include <span>
 
 #include "adjustment/bundle_system.hpp"
 #include "base/error.hpp"
@@ -17,7 +18,8 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 using Wide = Eigen::Matrix<double, 2, Eigen::Dynamic, Eigen::RowMajor>;
-constexpr int kPose = 6;
+constexpr int kPoseSize = 6;
+constexpr std::size_t kPose = kPoseSize;
 constexpr std::size_t kDenseFrames = 100;  // up to here the dense reduced system is faster than a sparse one
 
 // What every observation of a pose shares, worked out once an evaluation.
@@ -30,8 +32,10 @@ struct PoseState {
 // Parameter blocks and what follows from them.
 struct Blocks : ceres::EvaluationCallback {
   camera::IntrinsicsSet set = camera::IntrinsicsSet::none;
-  std::vector<std::vector<double>> pose_values;  // increment; with its camera's intrinsics where nobody shares them
-  std::vector<std::vector<double>> camera_values;
+  // One buffer: the solver orders blocks by their addresses, and the result must not depend on the heap's.
+  std::vector<double> values;
+  std::vector<std::span<double>> pose_values;  // increment; with its camera's intrinsics where nobody shares them
+  std::vector<std::span<double>> camera_values;
   std::vector<bool> merged;  // per camera: its values stand in its one pose's block
   std::vector<std::int32_t> camera_of;
   std::vector<PoseState> poses;
@@ -49,15 +53,15 @@ struct Blocks : ceres::EvaluationCallback {
       pose.right_jacobian = right_jacobian(w);
       pose.centre = pose.start.translation + v;
       const auto c = static_cast<std::size_t>(camera_of[i]);
-      if (merged[c]) set_camera(c, std::span(pose_values[i]).subspan(kPose));
+      if (merged[c]) set_camera(c, pose_values[i].subspan(kPose));
     }
     for (std::size_t c = 0; c < cameras.size(); ++c)
       if (!merged[c]) set_camera(c, camera_values[c]);
   }
 
  private:
-  void set_camera(std::size_t c, std::span<const double> values) {
-    if (!values.empty()) cameras[c] = camera::with_intrinsics(cameras[c], set, values);
+  void set_camera(std::size_t c, std::span<const double> parameters) {
+    if (!parameters.empty()) cameras[c] = camera::with_intrinsics(cameras[c], set, parameters);
   }
 };
 
@@ -78,7 +82,7 @@ class Reprojection final : public ceres::CostFunction {
     auto* sizes = mutable_parameter_block_sizes();
     sizes->reserve(3);
     sizes->push_back(3);
-    sizes->push_back(kPose + (merged ? intrinsics : 0));
+    sizes->push_back(kPoseSize + (merged ? intrinsics : 0));
     if (!merged && intrinsics > 0) sizes->push_back(intrinsics);
   }
 
@@ -104,7 +108,7 @@ class Reprojection final : public ceres::CostFunction {
       block = by_point;
     }
     if (jacobians[1] != nullptr) {
-      const int width = kPose + (merged_ ? intrinsics_ : 0);
+      const int width = kPoseSize + (merged_ ? intrinsics_ : 0);
       Eigen::Map<Wide> by_pose(jacobians[1], 2, width);
       // Row times [p]x, then times the right Jacobian.
       camera::PointJacobian by_turn;
@@ -144,7 +148,7 @@ class Reprojection final : public ceres::CostFunction {
 class PosePrior final : public ceres::CostFunction {
  public:
   PosePrior(const BundlePrior& prior, const PoseState& pose, int width) : prior_(&prior), pose_(&pose), width_(width) {
-    set_num_residuals(kPose);
+    set_num_residuals(kPoseSize);
     mutable_parameter_block_sizes()->push_back(width);
   }
 
@@ -155,7 +159,8 @@ class PosePrior final : public ceres::CostFunction {
     by_turn = prior_->weight_rot * turn;
     by_shift = shift_weight.cwiseProduct(pose_->centre - prior_->pose.translation);
     if (jacobians == nullptr || jacobians[0] == nullptr) return true;
-    Eigen::Map<Eigen::Matrix<double, kPose, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], kPose, width_);
+    Eigen::Map<Eigen::Matrix<double, kPoseSize, Eigen::Dynamic, Eigen::RowMajor>> jacobian(jacobians[0], kPoseSize,
+                                                                                           width_);
     jacobian.setZero();
     if (prior_->weight_rot > 0.0)
       jacobian.topLeftCorner<3, 3>() = prior_->weight_rot * inverse_right_jacobian(turn) * pose_->right_jacobian;
@@ -195,29 +200,38 @@ std::unique_ptr<ceres::LossFunction> loss_of(BundleLoss loss, double scale) {
   return nullptr;
 }
 
-Blocks make_blocks(const BundleSystem& system) {
-  Blocks blocks;
+void fill_blocks(const BundleSystem& system, Blocks& blocks) {
   blocks.set = system.intrinsics;
   blocks.cameras = system.cameras;
   blocks.camera_of = system.camera_of;
   std::vector<int> users(system.cameras.size(), 0);
   for (const auto c : system.camera_of) ++users[static_cast<std::size_t>(c)];
-  blocks.merged.resize(system.cameras.size());
-  blocks.camera_values.resize(system.cameras.size());
+  std::vector<std::vector<double>> intrinsics;
+  std::size_t total = kPose * system.poses.size();
   for (std::size_t c = 0; c < system.cameras.size(); ++c) {
-    blocks.merged[c] = users[c] == 1;
-    if (!blocks.merged[c]) blocks.camera_values[c] = camera::intrinsics_of(system.cameras[c], system.intrinsics);
+    blocks.merged.push_back(users[c] == 1);
+    intrinsics.push_back(camera::intrinsics_of(system.cameras[c], system.intrinsics));
+    total += intrinsics.back().size();
   }
+  blocks.values.assign(total, 0.0);
+  std::span<double> free = blocks.values;
+  const auto take = [&](std::size_t count) {
+    const auto block = free.first(count);
+    free = free.subspan(count);
+    return block;
+  };
   for (std::size_t i = 0; i < system.poses.size(); ++i) {
-    std::vector<double> values(kPose, 0.0);
     const auto c = static_cast<std::size_t>(system.camera_of[i]);
+    blocks.pose_values.push_back(take(kPose + (blocks.merged[c] ? intrinsics[c].size() : 0)));
     if (blocks.merged[c])
-      for (const double v : camera::intrinsics_of(system.cameras[c], system.intrinsics)) values.push_back(v);
-    blocks.pose_values.push_back(std::move(values));
+      std::copy(intrinsics[c].begin(), intrinsics[c].end(), blocks.pose_values.back().subspan(kPose).begin());
     blocks.poses.push_back({system.poses[i], Mat3::Identity(), Mat3::Identity(), Vec3::Zero()});
   }
+  for (std::size_t c = 0; c < system.cameras.size(); ++c) {
+    blocks.camera_values.push_back(take(blocks.merged[c] ? 0 : intrinsics[c].size()));
+    if (!blocks.merged[c]) std::copy(intrinsics[c].begin(), intrinsics[c].end(), blocks.camera_values[c].begin());
+  }
   blocks.update();
-  return blocks;
 }
 
 // Ends the solve at the next iteration once a stop was requested.
@@ -245,6 +259,7 @@ ceres::Solver::Options solver_options(const BundleSystem& system, const SolveLim
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
   options.num_threads = 1;
+  options.jacobi_scaling = false;  // the damping is scaled already: a pass over the Jacobian less
   options.logging_type = ceres::SILENT;
   // Eigen's factorisations: the system's BLAS may run threads of its own.
   options.dense_linear_algebra_library_type = ceres::EIGEN;
@@ -257,7 +272,8 @@ ceres::Solver::Options solver_options(const BundleSystem& system, const SolveLim
 
 BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::RunContext& ctx) {
   FLAGS_minloglevel = google::GLOG_FATAL;  // a library does not print
-  Blocks blocks = make_blocks(system);
+  Blocks blocks;
+  fill_blocks(system, blocks);
   const auto tie_loss = loss_of(system.loss, system.loss_scale);
   const auto prior_loss =
       loss_of(system.prior_loss_scale > 0.0 ? BundleLoss::huber : BundleLoss::none, system.prior_loss_scale);
@@ -279,11 +295,11 @@ BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::
     problem.AddParameterBlock(point.data(), 3);
     ordering->AddElementToGroup(point.data(), 0);
   }
-  for (auto& values : blocks.pose_values) {
+  for (const auto values : blocks.pose_values) {
     problem.AddParameterBlock(values.data(), static_cast<int>(values.size()));
     ordering->AddElementToGroup(values.data(), 1);
   }
-  for (auto& values : blocks.camera_values) {
+  for (const auto values : blocks.camera_values) {
     if (values.empty()) continue;
     problem.AddParameterBlock(values.data(), static_cast<int>(values.size()));
     ordering->AddElementToGroup(values.data(), 1);
@@ -301,7 +317,7 @@ BundleRound solve_bundle(BundleSystem& system, const SolveLimits& limits, base::
   }
   for (std::size_t f = 0; f < system.priors.size(); ++f) {
     if (!system.priors[f].any()) continue;
-    auto& values = blocks.pose_values[f];
+    const auto values = blocks.pose_values[f];
     auto& cost = pose_priors.emplace_back(system.priors[f], blocks.poses[f], static_cast<int>(values.size()));
     problem.AddResidualBlock(&cost, prior_loss.get(), values.data());
   }

@@ -14,7 +14,7 @@ constexpr int kEllipsoid = static_cast<int>(kEllipsoidParameters);
 constexpr double kNearest = 1e-3;  // m in front of the camera
 constexpr int kMostIterations = 100;
 constexpr int kCorrections = 8;            // Gauss-Newton steps with the harmonics
-constexpr double kSettled = 1e-9;          // largest step, m and relative
+constexpr double kSettled = 1e-8;          // largest step, m and relative
 constexpr double kLeastCondition = 1e-13;  // smallest / largest eigenvalue of the scaled normal matrix
 
 template <typename T>
@@ -114,12 +114,11 @@ bool linearise(std::span<const BoxPlanes> boxes, const BodyPrior& prior, const c
     s.residual.push_back(residual);
     s.jacobian.push_back(jacobian);
   }
-  for (Eigen::Index i = 0; i < prior.sigma.size(); ++i) {
+  for (Eigen::Index i = 0; i < kEllipsoid; ++i) {
     if (!(prior.sigma[i] > 0.0)) continue;
     BodyVector row = BodyVector::Zero();
     row[i] = 1.0 / prior.sigma[i];
-    double value = i < kEllipsoid ? s.body.ellipsoid[static_cast<std::size_t>(i)]
-                                  : s.body.harmonic[static_cast<std::size_t>(i - kEllipsoid)];
+    double value = s.body.ellipsoid[static_cast<std::size_t>(i)];
     if (i == kLogHalfHeight) {
       row[kLogRadius] = -1.0 / prior.sigma[i];
       value -= s.body.ellipsoid[kLogRadius];
@@ -127,6 +126,10 @@ bool linearise(std::span<const BoxPlanes> boxes, const BodyPrior& prior, const c
     s.normal += row * row.transpose();
     *gradient += row * ((value - prior.mean[i]) / prior.sigma[i]);
   }
+  constexpr int kCount = static_cast<int>(kHarmonics);
+  const Eigen::Map<const Eigen::Matrix<double, kCount, 1>> harmonic(s.body.harmonic.data());
+  s.normal.bottomRightCorner<kCount, kCount>() += prior.harmonic_information;
+  gradient->tail<kCount>() += prior.harmonic_information * (harmonic - prior.harmonic_mean);
   return true;
 }
 
@@ -168,7 +171,8 @@ bool side_residuals(const BoxPlanes& box, const Body& body, Eigen::Vector4d* res
   for (std::size_t i = 0; i < 4; ++i) {
     if (!box.used[i]) continue;
     const Vec3& n = box.normal[i];
-    const Eigen::Matrix<Jet, 3, 1> m = normalised(x.data(), n);
+    // The least of n.p over the body is that of -n, turned round.
+    const Eigen::Matrix<Jet, 3, 1> m = normalised(x.data(), Vec3(kSideSign[i] * n));
     const Jet length = sqrt(m.x() * m.x() + m.y() * m.y() + m.z() * m.z());
     std::array<Jet, kHarmonics> y;
     harmonics<Jet>({m.x() / length, m.y() / length, m.z() / length}, &y);

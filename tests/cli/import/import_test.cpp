@@ -67,6 +67,37 @@ TEST_F(ImportCommand, ColmapWithEverythingAttached) {
   EXPECT_EQ(run.at("command").as_string(), "import");
 }
 
+TEST_F(ImportCommand, OpensfmReconstructionWithItsTracks) {
+  const auto berlin = cairn::testing::test_data("opensfm_berlin");
+  const auto result = cairn({"import", "opensfm", berlin.string(), "-o", out_, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.err, HasSubstr("datum is unknown"));
+  const auto summary = cairn::io::parse_json(result.out, "stdout");
+  EXPECT_EQ(summary.at("frames").as_integer(), 3);
+  EXPECT_EQ(summary.at("tie_points").as_integer(), 1430);
+  EXPECT_EQ(summary.at("tie_observations").as_integer(), 3082);
+  const auto survey = cairn::io::read_survey(out_);
+  EXPECT_DOUBLE_EQ(survey.manifest.origin.position.longitude_deg, 13.400376851851851);
+  // What check makes of it: track pixels against the points, with no pose convention to blame.
+  const auto check = cairn({"check", out_, "--json"});
+  EXPECT_EQ(check.exit_code, 0) << check.out;
+  const auto ties = cairn::io::parse_json(check.out, "stdout").at("evidence").at("tie_points_reprojection");
+  constexpr double kMedianPx = 1.0;  // measured 0.80 px of 3264
+  EXPECT_LT(ties.at("median_px").as_real(), kMedianPx);
+}
+
+TEST_F(ImportCommand, OpensfmWithoutItsImagesOrAReferenceIsRefused) {
+  const auto berlin = cairn::testing::test_data("opensfm_berlin");
+  const auto missing =
+      cairn({"import", "opensfm", berlin.string(), "--images", (kBeach / "images_1600").string(), "-o", out_});
+  EXPECT_EQ(missing.exit_code, 4);
+  EXPECT_THAT(missing.err, HasSubstr("3 of 3 images missing"));
+  const auto nothing = cairn({"import", "opensfm", kBeach.string(), "-o", out_});
+  EXPECT_EQ(nothing.exit_code, 4);
+  EXPECT_THAT(nothing.err, HasSubstr("no reconstruction"));
+  expect_nothing_left();
+}
+
 TEST_F(ImportCommand, SameBytesForAnyThreadCount) {
   ASSERT_EQ(cairn(colmap({"--threads", "1"})).exit_code, 0);
   std::vector<std::string> one;
