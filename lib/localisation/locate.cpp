@@ -166,4 +166,11 @@ LocateResult locate(const survey::Survey& survey, const Tracks& tracks, const Lo
   return result;
 }
 
+survey::Survey without_drift(survey::Survey survey, const LocateResult& result) {
+  const std::map<survey::FrameId, geometry::Vec3> offset(result.drift.begin(), result.drift.end());
+  for (auto& frame : survey.frames)
+    if (const auto at = offset.find(frame.id); at != offset.end()) frame.T_world_camera.translation -= at->second;
+  return survey;
+}
+
 }  // namespace cairn::localisation

@@ -70,4 +70,7 @@ struct LocateResult {
 [[nodiscard]] LocateResult locate(const survey::Survey& survey, const Tracks& tracks, const LocateOptions& options,
                                   base::RunContext& ctx, const DepthBound& bound = nullptr);
 
+// The survey with the positions that the targets are relative to: recorded less `result.drift`.
+[[nodiscard]] survey::Survey without_drift(survey::Survey survey, const LocateResult& result);
+
 }  // namespace cairn::localisation

@@ -1,7 +1,6 @@
 #include "pipeline/locate_stage.hpp"
 
 #include <cmath>
-#include <map>
 #include <optional>
 
 #include "base/atomic_file.hpp"
@@ -116,14 +115,6 @@ void write_points(const fs::path& folder, const LocateResult& result) {
     io::write_ply(folder / (std::to_string(result.targets[i].id.value) + ".ply"), cloud,
                   {.crs = "", .comments = {"local ENU, m"}});
   }
-}
-
-// The survey with the positions that the targets are relative to.
-survey::Survey without_drift(survey::Survey survey, const LocateResult& result) {
-  std::map<survey::FrameId, geometry::Vec3> offset(result.drift.begin(), result.drift.end());
-  for (auto& frame : survey.frames)
-    if (const auto at = offset.find(frame.id); at != offset.end()) frame.T_world_camera.translation -= at->second;
-  return survey;
 }
 
 io::Json refined_summary(const localisation::BodyFitCounts& b) {

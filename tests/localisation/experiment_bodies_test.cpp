@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <limits>
-#include <map>
 
 #include "localisation/body_fit.hpp"
 #include "localisation/locate.hpp"
@@ -40,16 +39,13 @@ void add_seed(const simulation::Scene& scene, std::uint64_t seed, Figures* f) {
   base::RunContext ctx;
   ctx.seed = seed;
   const auto recording = simulation::simulate(scene, seed, ctx);
-  survey::Survey survey = recording.survey;
+  const survey::Survey& survey = recording.survey;
   Vec3 bias = Vec3::Zero();
   for (std::size_t i = 0; i < survey.frames.size(); ++i)
     bias += survey.frames[i].T_world_camera.translation - recording.truth.frames[i].T_world_camera.translation;
   bias /= static_cast<double>(survey.frames.size());
   auto located = locate(survey, {}, ctx);
-  const std::map<survey::FrameId, Vec3> drift(located.drift.begin(), located.drift.end());
-  for (auto& frame : survey.frames)
-    if (const auto at = drift.find(frame.id); at != drift.end()) frame.T_world_camera.translation -= at->second;
-  (void)refine_bodies(located.targets, survey, {}, ctx);
+  (void)refine_bodies(located.targets, without_drift(survey, located), {}, ctx);
   std::size_t sought = 0;
   for (std::size_t k = 0; k < recording.truth.objects.size(); ++k) {
     const auto& object = recording.truth.objects[k];
