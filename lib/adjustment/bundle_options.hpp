@@ -13,7 +13,7 @@ struct BundleOptions {
   // better
   std::string intrinsics = "auto";
   std::string loss = "huber";     // none | huber | cauchy, on the tie observations
-  double loss_scale = 2.0;        // sigmas at which the loss leaves the square
+  double loss_scale = 3.0;        // sigmas at which the loss leaves the square
   double sigma_px = 0.0;          // 1 sigma of a tie observation in u and in v; 0 = estimated from the residuals
   double control_sigma_px = 1.0;  // the same of a control point's observations
   double outlier_sigmas = 5.0;    // observations farther off than this are removed; 0 = none are
@@ -29,7 +29,7 @@ struct BundleOptions {
   double prior_sigma_rot_deg = 0.0;
   double prior_loss_scale = 3.0;              // Huber's, per frame [sigmas]: one wrong prior bends nothing; 0 = none
   std::string covariance = "auto";            // auto | full | block | none
-  std::int64_t full_covariance_frames = 400;  // auto: up to this many frames with all correlations
+  std::int64_t full_covariance_frames = 200;  // auto: up to this many frames with all correlations
 
   void visit(base::OptionVisitor& v) {
     v.choice("intrinsics", intrinsics, {"auto", "none", "focal", "distortion", "radial", "all"},

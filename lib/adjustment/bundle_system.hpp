@@ -43,7 +43,7 @@ struct BundleSystem {
   std::vector<BundlePointPrior> point_priors;
   camera::IntrinsicsSet intrinsics = camera::IntrinsicsSet::none;
   BundleLoss loss = BundleLoss::huber;
-  double loss_scale = 2.0, prior_loss_scale = 3.0;
+  double loss_scale = 3.0, prior_loss_scale = 3.0;
 };
 
 struct SolveLimits {

@@ -307,8 +307,8 @@ void check_cloud_evidence(const CheckedSurvey& checked, const CheckedCloud& clou
                 told(cloud.has_similarity ? "the declared similarity leaves the cloud beside the poses"
                                           : "the cloud does not share the poses' frame: cloud minus poses",
                      text, "at most " + to_fixed(options.max_cloud_offset_m, 2) + " m"),
-                "Import again with --similarity FILE (T_world_source of the cloud), or align the poses to the cloud "
-                "with cairn refine"});
+                "Import again with --similarity FILE (T_world_source of the cloud), or bring the poses to the ground's "
+                "true place with cairn refine --control FILE"});
 }
 
 }  // namespace cairn::pipeline

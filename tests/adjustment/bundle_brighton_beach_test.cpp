@@ -14,7 +14,7 @@ namespace {
 class PerturbedBrightonBeach : public ::testing::TestWithParam<std::uint64_t> {};
 
 TEST_P(PerturbedBrightonBeach, ReturnsToColmapsPoses) {
-  constexpr double kPosition_m = 0.02, kRotation_deg = 0.05;  // asked for by the survey's users
+  constexpr double kPosition_m = 0.02, kRotation_deg = 0.05;  // what a refined survey is to reach
   const auto survey = testing::brighton_beach_colmap(1.0);
   BundleProblem problem{survey.manifest.cameras, survey.frames, {}, survey.ties, {}};
   testing::perturb(problem, 0.5, 1.0, GetParam());
@@ -23,20 +23,12 @@ TEST_P(PerturbedBrightonBeach, ReturnsToColmapsPoses) {
   EXPECT_TRUE(result.converged);
   EXPECT_EQ(result.frames_adjusted, 18U);
   EXPECT_EQ(result.gauge, BundleGauge::aligned);
-  for (const auto& r : result.rounds)
-    std::printf("  round: %d it, %.1f -> %.1f, sigma %.3f, obs %zu, removed %zu, conv %d %s\n",
-                static_cast<int>(r.iterations), r.cost_before, r.cost_after, r.sigma_px, r.observations, r.removed,
-                r.converged, r.termination.c_str());
   const auto back = testing::aligned(result.frames, survey.frames);
   const auto d = testing::pose_difference(back, survey.frames);
   EXPECT_LT(d.position_m, kPosition_m);
   EXPECT_LT(d.rotation_deg, kRotation_deg);
   EXPECT_GT(result.rms_before_px, 10.0);
   EXPECT_LT(result.rms_after_px, 1.5);
-  RecordProperty("position_m", std::to_string(d.position_m));
-  std::printf("seed %d: %.4f m, %.4f deg, rms %.2f -> %.3f px, sigma %.3f px, %zu rounds, %zu of %zu observations\n",
-              static_cast<int>(GetParam()), d.position_m, d.rotation_deg, result.rms_before_px, result.rms_after_px,
-              result.sigma_px, result.rounds.size(), result.observations, survey.ties.size());
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, PerturbedBrightonBeach, ::testing::Values(1, 2, 3, 4, 5));

@@ -259,6 +259,7 @@ ceres::Solver::Options solver_options(const BundleSystem& system, const SolveLim
   options.gradient_tolerance = 1e-14;
   options.parameter_tolerance = 1e-12;
   options.num_threads = 1;
+  options.jacobi_scaling = false;  // the damping is scaled already: a pass over the Jacobian less
   options.logging_type = ceres::SILENT;
   // Eigen's factorisations: the system's BLAS may run threads of its own.
   options.dense_linear_algebra_library_type = ceres::EIGEN;
