@@ -30,8 +30,8 @@ struct RenderedFrame {
 };
 
 // The camera with its distortion, at T_world_camera. Pixels that the distortion model cannot invert are black, of
-// depth 0. The same bytes for any number of threads. About 0.5 Mpixel/s a core with samples = 2 and shadows, 2 with
-// samples = 1 (docs/benchmarks.md).
+// depth 0. The same bytes for any number of threads. About 0.1 Mpixel a CPU second with samples = 2 and shadows
+// (docs/benchmarks.md).
 [[nodiscard]] RenderedFrame render(const RenderScene& scene, const survey::Camera& camera,
                                    const geometry::RigidTransform& T_world_camera, const RenderOptions& options,
                                    std::uint64_t seed = 0, std::uint64_t frame = 0);
