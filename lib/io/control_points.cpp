@@ -91,7 +91,7 @@ std::vector<Row> rows_of_gcp_list(const std::string& text, const fs::path& path,
     for (std::size_t i = 0; i < 5; ++i) {
       const auto value = base::parse_real(words[i]);
       const bool no_height = i == 2 && lower(words[i]) == "nan";
-      if (!value && !no_height)
+      if (!no_height && (!value || !std::isfinite(*value)))
         throw Error(ErrorCode::invalid_input, "a coordinate of ground control is not a number")
             .file(path.string())
             .record(record)

@@ -179,7 +179,8 @@ void read_tracks(std::string_view text, OpensfmModel& model) {
                                         [](const OpensfmPoint& p, std::int64_t wanted) { return p.id < wanted; });
     if (point == model.points.end() || point->id != track) continue;  // most tracks make no point
     const auto x = base::parse_real(cells[kX]), y = base::parse_real(cells[kY]);
-    if (!x || !y) throw bad("a track's place is not a number").found("'" + std::string(cells[x ? kY : kX]) + "'");
+    if (!x || !y || !std::isfinite(*x) || !std::isfinite(*y))
+      throw bad("a track's place is not a number").found(std::string(cells[kX]) + ", " + std::string(cells[kY]));
     const auto& camera = model.cameras[model.shots[shot->second].camera];
     point->observations.push_back({shot->second, opensfm_pixel({*x, *y}, static_cast<double>(camera.width_px),
                                                                static_cast<double>(camera.height_px))});

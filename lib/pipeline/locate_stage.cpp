@@ -96,7 +96,7 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
       csv.cell(static_cast<std::int64_t>(r.boxes)).cell(static_cast<std::int64_t>(r.rejected_boxes));
     } else {
       constexpr int kRefinedCells = 11;
-      for (int i = 0; i < kRefinedCells; ++i) csv.cell("");
+      for (int cell = 0; cell < kRefinedCells; ++cell) csv.cell("");
     }
     std::string reasons;
     for (const auto& reason : t.reasons) reasons += (reasons.empty() ? "" : ";") + reason;

@@ -3,6 +3,8 @@
 
 #include <gmock/gmock.h>
 
+#include <cmath>
+
 #include "adjustment/robust.hpp"
 #include "base/angle.hpp"
 #include "base/random.hpp"

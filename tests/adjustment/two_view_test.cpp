@@ -41,8 +41,11 @@ TEST(TwoView, OverFlatGroundTheModelIsPlanarAndWrongMatchesAreDropped) {
   EXPECT_EQ(result.model, TwoViewModel::planar);
   std::size_t kept_wrong = 0;
   for (std::size_t i = 0; i < s.matches.size(); ++i) {
-    if (s.right[i]) EXPECT_EQ(result.inlier[i], 1) << i;
-    else kept_wrong += result.inlier[i];
+    if (s.right[i]) {
+      EXPECT_EQ(result.inlier[i], 1) << i;
+    } else {
+      kept_wrong += result.inlier[i];
+    }
   }
   EXPECT_LE(kept_wrong, 1U);
 }
