@@ -118,7 +118,7 @@ TEST_F(RefineCommand, ControlPointsBringTheSurveyBack) {
     EXPECT_LT(point.at("after_m").as_vec3().norm(), 0.1);
   }
   EXPECT_EQ(points[4].at("use").as_string(), "check");
-  EXPECT_NE(cairn::io::read_survey(out_).manifest.source("control_points"), nullptr);
+  EXPECT_NE(cairn::io::read_survey(out_).source("control_points"), nullptr);
 
   EXPECT_EQ(run({"--overwrite", "--control", "nowhere.csv"}).exit_code, 4);
   EXPECT_EQ(run({"--overwrite", "--control", file.string(), "--control-crs", "EPSG:0"}).exit_code, 6);
