@@ -18,7 +18,7 @@ std::string number(const Json& value, int decimals = 3) {
 }
 
 // "label  a 1  b 2": one line of figures by their names.
-std::string line(const std::string& label, const Json& values, std::initializer_list<const char*> names) {
+std::string line(const std::string& label, const Json& values, const std::vector<const char*>& names) {
   std::string text = label;
   for (const char* name : names)
     if (const Json* value = values.find(name); value != nullptr)
@@ -35,12 +35,12 @@ std::string text_of_detections(const Json& s) {
 }
 
 std::string text_of_tracks(const Json& s) {
-  constexpr auto kFigures = {"mota", "motp",        "idf1",           "hota",       "fp",
-                             "fn",   "id_switches", "mostly_tracked", "mostly_lost"};
+  const std::vector<const char*> figures{"mota", "motp",        "idf1",           "hota",       "fp",
+                                         "fn",   "id_switches", "mostly_tracked", "mostly_lost"};
   std::string text;
   if (const Json* sequences = s.find("sequences"); sequences != nullptr)
-    for (const auto& [name, sequence] : sequences->as_object()) text += line(name, sequence, kFigures);
-  return text + line("all", s, kFigures);
+    for (const auto& [name, sequence] : sequences->as_object()) text += line(name, sequence, figures);
+  return text + line("all", s, figures);
 }
 
 std::string text_of_targets(const Json& s) {

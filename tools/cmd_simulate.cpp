@@ -1,4 +1,5 @@
 // cairn simulate SCENE.json --seed N -o SURVEY
+#include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "pipeline/run_record.hpp"
 #include "pipeline/scene_json.hpp"
@@ -20,6 +21,16 @@ class SimulateCommand final : public Command {
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
+    try {
+      return simulated(arguments, ctx);
+    } catch (base::Error& error) {
+      error.default_file(scene_.string());
+      throw;
+    }
+  }
+
+ private:
+  CommandResult simulated(const Arguments& arguments, base::RunContext& ctx) const {
     const auto scene = pipeline::read_scene(scene_);
     if (arguments.common.dry_run) {
       io::Json plan = pipeline::simulate_plan(scene, ctx);
@@ -34,7 +45,6 @@ class SimulateCommand final : public Command {
     return {outcome.summary, text_of(outcome.summary) + "Survey in " + out_.string() + "\n"};
   }
 
- private:
   static std::string text_of(const io::Json& summary) {
     const auto count = [&](const char* name) { return std::to_string(summary.at(name).as_integer()); };
     return count("frames") + " frames in " + base::to_fixed(summary.at("duration_s").as_real(), 0) + " s, " +

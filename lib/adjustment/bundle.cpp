@@ -27,8 +27,8 @@ using geometry::Vec3;
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 constexpr double kLeastSigmaPx = 0.05;      // no measured pixel is better
 constexpr std::size_t kSharedPoints = 5;    // two frames with fewer points in common do not hold one another
-constexpr double kSettledSigma = 0.02;      // relative change of sigma_px below which a round changes nothing
-constexpr double kSettledSelection = 1e-3;  // share of the observations
+constexpr double kSettledSigma = 0.05;      // relative change of sigma_px below which a round changes nothing
+constexpr double kSettledSelection = 5e-3;  // share of the observations
 
 // Points where they are wanted: kept, or triangulated from the poses as they are now.
 void place_points(BundleWork& work, bool first, double gate_px) {
@@ -149,32 +149,33 @@ void move_to_control(BundleWork& work) {
   if (const auto T = geometry::align_points(from, to)) work.apply(*T);
 }
 
+// Each point's sum of squares against the median of its chi-square (2 n - 3 degrees of freedom: what its own place
+// takes up; Wilson and Hilferty 1931), the median over the points, and the poses' small share: blind to outliers, and
+// right for points seen twice, whose residuals along their rays' plane vanish whatever the noise.
 double estimated_sigma(const BundleWork& work, const BundleSystem& system) {
-  std::vector<double> parts;
+  std::vector<double> variances;
+  double freedom = 0.0;
   const Views views = work.views();
   for (const auto& track : work.tracks) {
     if (!track.used || track.control >= 0) continue;
+    double squares = 0.0, degrees = -3.0;
     for (const auto& seen : track.observations) {
       if (!seen.used) continue;
       const auto error = reprojection_residual(views, seen, track.p_world);
       if (!error) continue;
-      parts.push_back(std::abs(error->x()));
-      parts.push_back(std::abs(error->y()));
+      squares += error->squaredNorm();
+      degrees += 2.0;
     }
+    if (degrees < 1.0) continue;
+    freedom += degrees;
+    variances.push_back(squares / (degrees * std::pow(1.0 - 2.0 / (9.0 * degrees), 3)));
   }
-  if (parts.empty()) return 1.0;
-  // The adjustment itself takes up a share of the errors: unknowns against equations.
-  double unknowns = 3.0 * static_cast<double>(system.points.size()) + 6.0 * static_cast<double>(system.poses.size());
-  double equations =
-      2.0 * static_cast<double>(system.observations.size()) + 3.0 * static_cast<double>(system.point_priors.size());
+  if (variances.empty()) return 1.0;
+  double unknowns = 6.0 * static_cast<double>(system.poses.size());
   for (const auto& camera : system.cameras) unknowns += camera::intrinsics_count(camera.model, system.intrinsics);
   if (work.gauge == BundleGauge::aligned) unknowns -= 7.0;
-  for (const auto& prior : system.priors)
-    equations +=
-        (prior.weight_rot > 0.0 ? 3.0 : 0.0) + (prior.weight_xy > 0.0 ? 2.0 : 0.0) + (prior.weight_z > 0.0 ? 1.0 : 0.0);
   constexpr double kLeastRedundancy = 0.05;
-  const double redundancy = std::max(kLeastRedundancy, 1.0 - unknowns / std::max(1.0, equations));
-  return 1.4826 * median(std::move(parts)) / std::sqrt(redundancy);
+  return std::sqrt(median(std::move(variances)) / std::max(kLeastRedundancy, 1.0 - unknowns / freedom));
 }
 
 // One solve with the observations selected.

@@ -269,7 +269,8 @@ Decoder recognise_decoder(const std::vector<TensorShape>& outputs) {
     if (a < b && a >= 5) return Decoder::yolo_v8;
   }
   const bool rows = !outputs.empty() && std::all_of(outputs.begin(), outputs.end(), [&](const auto& s) {
-    return s.dims.size() == 2 && s.dims[1] >= 6 && s.dims[1] == outputs[0].dims[1];
+    // One row only is a classifier's.
+    return s.dims.size() == 2 && s.dims[0] > 1 && s.dims[1] >= 6 && s.dims[1] == outputs[0].dims[1];
   });
   if (rows) return Decoder::darknet;
   throw unfit(outputs, "the model's outputs are not those of a known detector", kKnown)

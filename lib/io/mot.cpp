@@ -37,8 +37,29 @@ class Frames {
   std::size_t last_ = 0;
 };
 
+// Lines one after another, LF or CR LF; the number of the last one given is for messages.
+class Lines {
+ public:
+  explicit Lines(const FileBytes& file) : text_(file.text()), file_(file.name()) {}
+
+  bool next(std::string_view& line) {
+    if (text_.empty()) return false;
+    const auto end = std::min(text_.find('\n'), text_.size());
+    line = text_.substr(0, end);
+    text_.remove_prefix(std::min(end + 1, text_.size()));
+    ++number_;
+    return true;
+  }
+  [[nodiscard]] std::uint64_t number() const { return number_; }
+  [[nodiscard]] base::Error error(std::string message) const { return bad_line(file_, number_, std::move(message)); }
+
+ private:
+  std::string_view text_, file_;
+  std::uint64_t number_ = 0;
+};
+
 // The numbers of a row; separated by commas or blanks. Count 0 for a blank line or a comment.
-std::size_t numbers_of(std::string_view line, const TextReader& reader, std::array<double, kMaxColumns>& values) {
+std::size_t numbers_of(std::string_view line, const Lines& reader, std::array<double, kMaxColumns>& values) {
   std::size_t count = 0;
   const bool commas = line.find(',') != std::string_view::npos;
   std::string_view rest = base::trim(line);
@@ -67,7 +88,7 @@ std::size_t numbers_of(std::string_view line, const TextReader& reader, std::arr
   return count;
 }
 
-std::int64_t whole(double value, const char* column, const TextReader& reader) {
+std::int64_t whole(double value, const char* column, const Lines& reader) {
   if (!(std::abs(value) <= static_cast<double>(kMaxFrame)) || value != std::floor(value))
     throw reader.error("not a whole number")
         .found(base::to_text(value) + " in column " + column)
@@ -84,13 +105,16 @@ BoxFile read_mot(const std::filesystem::path& path, const ReadBoxesOptions& opti
   file.convention = options.as_in_file
                         ? "Left, top, width and height as they stand in the MOTChallenge file."
                         : "MOTChallenge left, top, width, height; the first pixel is (1, 1): 1 was taken off.";
-  TextReader reader(bytes.text(), bytes.name());
+  Lines reader(bytes);
+  constexpr std::size_t kBytesPerRow = 48;  // about
+  file.boxes.reserve(bytes.text().size() / kBytesPerRow);
   Frames frames(file);
   std::array<double, kMaxColumns> v{};
   std::int64_t last_frame = std::numeric_limits<std::int64_t>::min();
   const double shift = options.as_in_file ? 0.0 : -1.0;
-  while (const auto line = reader.next_line()) {
-    const std::size_t count = numbers_of(*line, reader, v);
+  std::string_view line;
+  while (reader.next(line)) {
+    const std::size_t count = numbers_of(line, reader, v);
     if (count == 0) continue;
     if (count < 6)
       throw reader.error("too few columns")
@@ -114,7 +138,7 @@ BoxFile read_mot(const std::filesystem::path& path, const ReadBoxesOptions& opti
       box.score = 1.0;
       box.object_class = std::to_string(whole(v[7], "class", reader));
     }
-    box.line = reader.line();
+    box.line = reader.number();
     file.boxes.push_back(std::move(box));
   }
   order_images(file);

@@ -145,6 +145,15 @@ double largest_parallax(const std::vector<SeenBox>& boxes) {
   return largest;
 }
 
+// Video gives a target thousands of boxes that say the same: the cost is bounded.
+void thin_out(std::vector<SeenBox>& boxes, std::size_t most) {
+  if (boxes.size() <= most) return;
+  std::vector<SeenBox> kept;
+  kept.reserve(most);
+  for (std::size_t i = 0; i < most; ++i) kept.push_back(boxes[i * boxes.size() / most]);
+  boxes = std::move(kept);
+}
+
 // The boxes of a target and where the fit starts.
 Work prepare(const Target& target, std::size_t index, const survey::Survey& survey, const BodyFitOptions& options) {
   Work work;
@@ -161,6 +170,7 @@ Work prepare(const Target& target, std::size_t index, const survey::Survey& surv
   std::stable_sort(work.boxes.begin(), work.boxes.end(), [](const SeenBox& a, const SeenBox& b) {
     return a.time_ns != b.time_ns ? a.time_ns < b.time_ns : a.frame < b.frame;
   });
+  thin_out(work.boxes, static_cast<std::size_t>(options.max_boxes));
   if (work.boxes.size() < static_cast<std::size_t>(options.min_boxes) || reach.size() < 2) {
     work.reason = "fit_too_few_boxes";
     return work;
@@ -185,12 +195,20 @@ constexpr std::array<double, kDegrees> kHarmonicSigma{0.0125, 0.0095, 0.0045, 0.
 constexpr double kStretchSigma = 0.25;  // half the log of the ratio of the level axes
 constexpr double kHeightSigma = 0.4;    // log of half height over mean level semi-axis
 constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
+// What degree 6 cannot follow: sharp edges. The middle of the plan by this share of the radius, top and bottom by this
+// share of the height (1 sigma); a cut foot's edge lies higher than its smooth continuation by kFootShare.
+constexpr double kPlanError = 0.02, kEndError = 0.011, kFootShare = 0.028;
+constexpr double kExactly = 1e-7;  // sigma of a harmonic that is held at 0
 
-BodyPrior rock_prior(double radius) {
+BodyPrior body_prior(double radius, bool rock) {
   BodyPrior prior;
   prior.sigma[kStretchEast] = prior.sigma[kStretchDiag] = kStretchSigma;
   prior.sigma[kLogHalfHeight] = kHeightSigma;
   prior.sigma[kLeanEast] = prior.sigma[kLeanNorth] = kLeanSigma * radius;
+  if (!rock) {
+    prior.harmonic_information.diagonal().setConstant(1.0 / (kExactly * kExactly));
+    return prior;
+  }
   Eigen::Matrix4d zonal;
   for (std::size_t i = 0; i < kDegrees; ++i)
     for (std::size_t j = 0; j < kDegrees; ++j)
@@ -220,7 +238,10 @@ void solve(Work& work, const Noise& noise, const BodyFitOptions& options) {
     planes.push_back(box.planes);
   }
   work.solution =
-      solve_body(planes, work.start, rock_prior(std::exp(work.start.ellipsoid[kLogRadius])), options.loss_scale);
+      solve_body(planes, work.start, body_prior(std::exp(work.start.ellipsoid[kLogRadius]), options.shape == "rock"),
+                 options.loss_scale);
+  // The next round starts here.
+  if (work.solution.failure.empty()) work.start.ellipsoid = work.solution.body.ellipsoid;
 }
 
 // What the residuals of all targets say about the assumed sigmas: the width and height of a box do not depend on the
@@ -310,7 +331,7 @@ Mat3 centre_covariance(const Body& body, const BodyMatrix& covariance) {
   return result;
 }
 
-void finish(const Work& work, const Noise&, const BodyFitOptions&, Target& target) {
+void finish(const Work& work, const BodyFitOptions& options, Target& target) {
   const auto& s = work.solution;
   const std::string& reason = work.reason.empty() ? s.failure : work.reason;
   if (!reason.empty()) {
@@ -320,12 +341,23 @@ void finish(const Work& work, const Noise&, const BodyFitOptions&, Target& targe
   const Mat2 a = half_axis_matrix(s.body.ellipsoid.data());
   const double half_height = std::exp(s.body.ellipsoid[kLogHalfHeight]);
   survey::RefinedBody r;
+  const bool rock = options.shape == "rock";
   r.cylinder = cylinder_of(s.body);
+  if (rock) r.cylinder.bottom += kFootShare * r.cylinder.height();
   r.cylinder.axis += target.centre.head<2>();
   r.cylinder.bottom += target.centre.z();
   r.cylinder.top += target.centre.z();
   r.centre = r.cylinder.centre();
   r.covariance = centre_covariance(s.body, s.normal.llt().solve(BodyMatrix::Identity()));
+  if (rock) {
+    const double plan = kPlanError * r.cylinder.radius, end = std::sqrt(0.5) * kEndError * r.cylinder.height();
+    r.covariance.diagonal() += Vec3(plan * plan, plan * plan, end * end);
+  }
+  const double aside = options.margin_sigmas * std::sqrt(std::max(r.covariance(0, 0), r.covariance(1, 1)));
+  const double above = options.margin_sigmas * std::sqrt(r.covariance(2, 2));
+  r.cylinder.radius += aside;
+  r.cylinder.bottom -= above;
+  r.cylinder.top += above;
   const Eigen::SelfAdjointEigenSolver<Mat2> section(a);
   const Vec2 axis = section.eigenvectors().col(1);
   r.semi_axes_m = Vec3(section.eigenvalues()[1], section.eigenvalues()[0], half_height);
@@ -364,6 +396,10 @@ void BodyFitOptions::visit(base::OptionVisitor& v) {
   v.real("body-pose-sigma-m", pose_sigma_m, -1.0, 1e3, "joint fit: 1 sigma of a camera position; -1 = by frame");
   v.real("body-pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "joint fit: 1 sigma of a camera rotation; -1 = by frame");
   v.real("body-loss-scale", loss_scale, 0.5, 1e3, "joint fit: whitened residual at which a box has half its weight");
+  v.choice("body-shape", shape, {"rock", "ellipsoid"},
+           "joint fit: ellipsoid corrected as rocks are, or ellipsoid only");
+  v.real("body-margin-sigmas", margin_sigmas, 0.0, 10.0, "joint fit: the cylinder is this many sigmas larger");
+  v.integer("body-max-boxes", max_boxes, 3, 1000000, "joint fit: most boxes of a target that are used");
   v.integer("body-min-boxes", min_boxes, 2, 1000, "joint fit: least boxes of a target");
   v.real("body-min-parallax-deg", min_parallax_deg, 0.0, 180.0, "joint fit: least angle between two rays");
 }
@@ -413,7 +449,7 @@ BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& 
   counts.pose_noise_scale = noise.pose;
   for (const auto& work : works) {
     Target& target = targets[work.target];
-    finish(work, noise, options, target);
+    finish(work, options, target);
     if (!target.refined) {
       ++counts.failed;
       continue;

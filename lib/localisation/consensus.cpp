@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include "base/parallel.hpp"
 #include "geometry/assignment.hpp"
 #include "localisation/pool_pairs.hpp"
 
@@ -23,6 +24,7 @@ class Builder {
 
   Consensus run(const std::vector<LiveTarget>& seeds) {
     result_.seed_of_box.resize(prepared_.boxes.size());
+    std::vector<Candidate> seeded;
     for (const auto& seed : seeds) {
       next_id_ = std::max(next_id_, seed.id.value + 1);
       for (const std::size_t b : seed.boxes) result_.seed_of_box[b] = seed.id;
@@ -30,8 +32,11 @@ class Builder {
       c.id = seed.id;
       c.object_class = seed.object_class;
       c.boxes = seed.boxes;
-      if (refit(c)) candidates_.push_back(std::move(c));
+      if (c.boxes.size() > 1) seeded.push_back(std::move(c));
     }
+    const std::vector<char> fits = refit_all(seeded);
+    for (std::size_t i = 0; i < seeded.size(); ++i)
+      if (fits[i] != 0) candidates_.push_back(std::move(seeded[i]));
     merge();
     for (int round = 0; round < kRounds; ++round) {
       ctx_.check_stop();
@@ -59,6 +64,14 @@ class Builder {
   // Triangulates and keeps the consistent boxes. False where fewer than two are left, or the point lies
   // outside the depth range.
   bool refit(Candidate& c) const { return judge_.fit(c); }
+
+  std::vector<char> refit_all(std::vector<Candidate>& candidates) const {
+    std::vector<char> fits(candidates.size(), 0);
+    base::parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) fits[i] = refit(candidates[i]) ? 1 : 0;
+    });
+    return fits;
+  }
 
   std::vector<std::size_t> free_boxes() const {
     std::vector<bool> used(prepared_.boxes.size(), false);
@@ -92,7 +105,7 @@ class Builder {
   void for_near_pairs(const Act& act) {
     sort_by_east();
     double widest = 0.0;
-    for (const auto& c : candidates_) widest = std::max(widest, c.size_m);
+    for (const auto& c : candidates_) widest = std::max(widest, c.size_m + wander(c));
     std::vector<bool> gone(candidates_.size(), false);
     for (std::size_t i = 0; i < candidates_.size(); ++i)
       for (std::size_t j = i + 1; j < candidates_.size() && !gone[i]; ++j) {
@@ -106,11 +119,18 @@ class Builder {
     candidates_ = std::move(kept);
   }
 
+  // How far the positions of a video may have wandered between two passes, 3 sigma [m]: errors of all frames of a pass
+  // in common, so that the fix's own covariance does not know them. The joint fit must still hold.
+  double wander(const Candidate& c) const {
+    return prepared_.video ? 3.0 * prepared_.frames[prepared_.boxes[c.boxes.front()].frame].sigma_xy_m : 0.0;
+  }
+
   void merge() {
     for_near_pairs([this](Candidate& a, Candidate& b) {
       const double distance = (a.fix.centre - b.fix.centre).norm();
       const double spread = 3.0 * std::sqrt(a.fix.covariance.trace() + b.fix.covariance.trace());
-      if (distance > std::max(std::max(a.size_m, b.size_m), spread) || share_frame(a, b)) return false;
+      const double limit = std::max({a.size_m, b.size_m, spread, wander(a), wander(b)});
+      if (distance > limit || share_frame(a, b)) return false;
       Candidate joined = a;
       joined.id = std::min(a.id, b.id);
       joined.boxes.insert(joined.boxes.end(), b.boxes.begin(), b.boxes.end());
@@ -191,14 +211,14 @@ class Builder {
         if (pairs[r] != geometry::kUnassigned && score[r * boxes.size() + pairs[r]] > 0.0)
           boxes_of[rows[r]].push_back(boxes[pairs[r]]);
     }
+    std::vector<Candidate> next = candidates_;
+    for (std::size_t c = 0; c < next.size(); ++c) next[c].boxes = std::move(boxes_of[c]);
+    const std::vector<char> fits = refit_all(next);
     bool changed = false;
     std::vector<Candidate> kept;
     for (std::size_t c = 0; c < candidates_.size(); ++c) {
-      Candidate next = candidates_[c];
-      next.boxes = boxes_of[c];
-      const bool fits = refit(next);
-      changed = changed || !fits || next.boxes != candidates_[c].boxes;
-      if (fits) kept.push_back(std::move(next));
+      changed = changed || fits[c] == 0 || next[c].boxes != candidates_[c].boxes;
+      if (fits[c] != 0) kept.push_back(std::move(next[c]));
     }
     candidates_ = std::move(kept);
     return changed;

@@ -20,9 +20,10 @@ struct Candidate {
   std::size_t object_class = 0;
   std::vector<std::size_t> boxes;  // indices into PreparedBoxes::boxes, ascending, all consistent, one a frame
   Triangulation fix;
-  geometry::Mat3 drift_covariance = geometry::Mat3::Zero();  // what slow errors of the poses add to the fix's, m^2
-  double size_m = 0.0;                                       // box diagonal x depth / focal length, median
-  std::size_t visible_frames = 0;                            // frames that should show the whole object
+  // What slow errors of the poses, and the outline's middle not being the object's, add to the fix's, m^2.
+  geometry::Mat3 common_covariance = geometry::Mat3::Zero();
+  double size_m = 0.0;             // box diagonal x depth / focal length, median
+  std::size_t visible_frames = 0;  // frames that should show the whole object
 };
 
 struct Consensus {

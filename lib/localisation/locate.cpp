@@ -39,6 +39,22 @@ void adapt_noise(PreparedBoxes& prepared, const DepthPrior& depth, const PointsT
   for (auto& c : consensus.candidates) c.fix.covariance *= rest * rest;
 }
 
+// Errors that more boxes do not average out.
+void add_common_errors(const std::map<survey::TargetId, geometry::Mat3>& wander, const LocateOptions& options,
+                       Consensus& consensus) {
+  constexpr double kInHeight = 1.5;
+  geometry::Mat3 widest = geometry::Mat3::Zero();
+  for (const auto& [id, covariance] : wander)
+    if (covariance.trace() > widest.trace()) widest = covariance;
+  for (auto& c : consensus.candidates) {
+    const double level = options.outline_sigma * c.size_m;
+    const geometry::Vec3 sigma(level, level, kInHeight * level);
+    const auto at = wander.find(c.id);
+    c.common_covariance = at == wander.end() ? widest : at->second;
+    c.common_covariance += geometry::Mat3(sigma.cwiseAbs2().asDiagonal());
+  }
+}
+
 void collect(const PreparedBoxes& prepared, std::vector<TargetRecord> outputs, LocateResult& result) {
   std::sort(outputs.begin(), outputs.end(), [](const auto& a, const auto& b) { return a.target.id < b.target.id; });
   for (auto& out : outputs) {
@@ -103,16 +119,20 @@ LocateResult locate(const survey::Survey& survey, const Tracks& tracks, const Lo
     for (const auto& live : tracker.targets()) outputs.push_back(paper_record(prepared, live));
   } else {
     Consensus consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
+    std::map<survey::TargetId, geometry::Mat3> wander;  // of the centres of the first consensus
     if (drifts(prepared, options)) {
       const Drift drift = estimate_drift(prepared, consensus.candidates, options);
       remove_drift(drift, prepared);
       result.counts.drift_m = drift.rms_m;
       for (std::size_t f = 0; f < prepared.frames.size(); ++f)
         result.drift.emplace_back(prepared.frames[f].id, drift.offset_m[f]);
+      for (std::size_t i = 0; i < consensus.candidates.size(); ++i)
+        wander[consensus.candidates[i].id] = drift.covariance.at(i);
       consensus = find_consensus(prepared, depth, tracker.targets(), options, ctx);
     }
     if (!options.assumed_noise)
       adapt_noise(prepared, depth, tracker, options, ctx, consensus, result.counts.noise_scale);
+    add_common_errors(wander, options, consensus);
     result.counts.merged = consensus.merged;
     result.counts.recovered = consensus.recovered;
     result.counts.moved_boxes = consensus.moved;

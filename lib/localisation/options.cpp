@@ -37,6 +37,8 @@ void LocateOptions::visit(base::OptionVisitor& v) {
   v.real("size-ratio", size_ratio, 1.0, 100.0, "largest ratio of object sizes within one target");
   v.real("sigma-px", sigma_px, 0.01, 1e3, "1 sigma of a box centre");
   v.real("sigma-size", sigma_size, 0.0, 1.0, "1 sigma of a box centre as a fraction of the box's side");
+  v.real("outline-sigma", outline_sigma, 0.0, 1.0,
+         "1 sigma between an outline's middle and the object's, as a fraction of the size");
   v.flag("assumed-noise", assumed_noise, "keep the assumed errors instead of scaling them to the residuals");
   v.real("pose-sigma-m", pose_sigma_m, -1.0, 1e3, "1 sigma of a camera position; -1 = as the frames say");
   v.real("pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "1 sigma of a camera rotation; -1 = as the frames say");

@@ -78,7 +78,7 @@ TargetRecord robust_record(const PreparedBoxes& prepared, const PointsTracker& t
   TargetRecord out = filter_record(prepared, live, c.boxes);
   Target& t = out.target;
   t.centre = c.fix.centre;
-  t.covariance = c.fix.covariance + c.drift_covariance;
+  t.covariance = c.fix.covariance + c.common_covariance;
   out.evidence.visible_frames = c.visible_frames;
   out.evidence.rms_px = c.fix.rms_px;
   out.evidence.parallax_deg = base::rad_to_deg(c.fix.parallax_rad);

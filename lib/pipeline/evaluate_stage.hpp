@@ -16,10 +16,10 @@ namespace cairn::pipeline {
 // What `result` and `truth` may be stands with each function. A path to truth.json may also be given as the folder of
 // the simulated survey.
 struct EvaluateInputs {
-  std::filesystem::path result, truth;
+  std::filesystem::path result{}, truth{};
   std::string format = "auto", truth_format = "auto";  // of files of boxes: io::box_format_names(), auto = recognised
-  std::vector<std::string> class_names;                // of class numbers in `result`
-  std::filesystem::path survey;                        // targets: the survey they were located in; "" = beside truth
+  std::vector<std::string> class_names{};              // of class numbers in `result`
+  std::filesystem::path survey{};                      // targets: the survey they were located in; "" = beside truth
 };
 
 struct EvaluateOptions {

@@ -1,6 +1,7 @@
 #include "pipeline/locate_stage.hpp"
 
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "base/atomic_file.hpp"
@@ -57,6 +58,17 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
                            "points_sigma_up_m",
                            "entropy_nats",
                            "divergence",
+                           "refined_east_m",
+                           "refined_north_m",
+                           "refined_up_m",
+                           "refined_sigma_east_m",
+                           "refined_sigma_north_m",
+                           "refined_sigma_up_m",
+                           "refined_radius_m",
+                           "refined_height_m",
+                           "refined_rms_px",
+                           "refined_boxes",
+                           "refined_rejected_boxes",
                            "reasons"});
   for (std::size_t i = 0; i < result.targets.size(); ++i) {
     const auto& t = result.targets[i];
@@ -76,6 +88,16 @@ void write_evidence(const fs::path& path, const LocateResult& result) {
     const double unknown = std::nan("");  // an empty cell
     csv.cell(t.entropy_nats.empty() ? unknown : t.entropy_nats.back());
     csv.cell(t.divergence.empty() ? unknown : t.divergence.back());
+    if (t.refined) {
+      const auto& r = *t.refined;
+      for (int a = 0; a < 3; ++a) csv.cell(r.centre[a]);
+      for (int a = 0; a < 3; ++a) csv.cell(std::sqrt(r.covariance(a, a)));
+      csv.cell(r.cylinder.radius).cell(r.cylinder.height()).cell(r.rms_px);
+      csv.cell(static_cast<std::int64_t>(r.boxes)).cell(static_cast<std::int64_t>(r.rejected_boxes));
+    } else {
+      constexpr int kRefinedCells = 11;
+      for (int cell = 0; cell < kRefinedCells; ++cell) csv.cell("");
+    }
     std::string reasons;
     for (const auto& reason : t.reasons) reasons += (reasons.empty() ? "" : ";") + reason;
     csv.cell(reasons);
@@ -96,6 +118,23 @@ void write_points(const fs::path& folder, const LocateResult& result) {
   }
 }
 
+// The survey with the positions that the targets are relative to.
+survey::Survey without_drift(survey::Survey survey, const LocateResult& result) {
+  std::map<survey::FrameId, geometry::Vec3> offset(result.drift.begin(), result.drift.end());
+  for (auto& frame : survey.frames)
+    if (const auto at = offset.find(frame.id); at != offset.end()) frame.T_world_camera.translation -= at->second;
+  return survey;
+}
+
+io::Json refined_summary(const localisation::BodyFitCounts& b) {
+  return io::Json::object({{"fitted", b.fitted},
+                           {"failed", b.failed},
+                           {"boxes", b.boxes},
+                           {"rejected_boxes", b.rejected_boxes},
+                           {"box_noise_scale", b.box_noise_scale},
+                           {"pose_noise_scale", b.pose_noise_scale}});
+}
+
 void write_plots(const fs::path& folder, const LocateResult& result, const localisation::LocateOptions& options) {
   fs::create_directories(folder);
   for (const auto& target : result.targets)
@@ -114,7 +153,7 @@ void write_drift(const fs::path& path, const LocateResult& result) {
   csv.finish();
 }
 
-io::Json summary_of(const LocateResult& result) {
+io::Json summary_of(const LocateResult& result, const std::optional<localisation::BodyFitCounts>& bodies) {
   const auto& c = result.counts;
   return io::Json::object({{"detections", c.detections},
                            {"used", c.used},
@@ -133,6 +172,7 @@ io::Json summary_of(const LocateResult& result) {
                            {"drift_m", c.drift_m},
                            {"noise_scale", c.noise_scale},
                            {"depth_source", c.depth_source},
+                           {"refined", bodies ? refined_summary(*bodies) : io::Json()},
                            {"rejects_by_reason", count_by_reason(result.rejects)}});
 }
 
@@ -154,13 +194,16 @@ Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateSt
   std::vector<survey::TrackedBox> tracked;
   if (!in.tracks.empty()) tracked = io::read_tracks(in.tracks, survey);
   const localisation::Tracks tracks = in.tracks.empty() ? localisation::Tracks() : localisation::Tracks(tracked);
-  const LocateResult result = localisation::locate(survey, tracks, options.locate, ctx, bound);
+  LocateResult result = localisation::locate(survey, tracks, options.locate, ctx, bound);
+  std::optional<localisation::BodyFitCounts> bodies;
+  if (options.refine_bodies)
+    bodies = localisation::refine_bodies(result.targets, without_drift(survey, result), options.body, ctx);
   io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
   write_evidence(out / "target_evidence.csv", result);
   if (options.points) write_points(out / "points", result);
   if (options.plots) write_plots(out / "plots", result, options.locate);
   if (!result.drift.empty()) write_drift(out / "drift.csv", result);
-  return {summary_of(result), result.rejects};
+  return {summary_of(result, bodies), result.rejects};
 }
 
 std::unique_ptr<Stage> make_locate_stage() {

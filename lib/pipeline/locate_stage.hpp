@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "base/run_context.hpp"
+#include "localisation/body_fit.hpp"
 #include "localisation/locate.hpp"
 #include "pipeline/outcome.hpp"
 #include "pipeline/stage.hpp"
@@ -19,13 +20,17 @@ struct LocateInputs {
 
 struct LocateStageOptions {
   localisation::LocateOptions locate;
-  bool points = true;  // write the filter's points of each target that was not given up
-  bool plots = true;   // draw how they gathered
+  bool points = true;         // write the filter's points of each target that was not given up
+  bool plots = true;          // draw how they gathered
+  bool refine_bodies = true;  // fit one body to all boxes of each converged target
+  localisation::BodyFitOptions body;
 
   void visit(base::OptionVisitor& visitor) {
     locate.visit(visitor);
     visitor.flag("points", points, "write the points of each target to points/<id>.ply");
     visitor.flag("plots", plots, "draw each target's entropy and divergence to plots/<id>.svg");
+    visitor.flag("refine-bodies", refine_bodies, "fit one body to all boxes of each converged target");
+    body.visit(visitor);
   }
 };
 

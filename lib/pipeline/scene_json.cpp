@@ -406,6 +406,7 @@ Scene read(const fs::path& path, std::vector<fs::path>& files) {
     // A value out of range is a fault of the file, not of the command line.
     if (error.code() != ErrorCode::invalid_argument) {
       error.default_file(path.string());
+      if (error.file() != path.string()) error.in("scene " + path.string());
       throw;
     }
     throw Error(ErrorCode::invalid_input, error.message())

@@ -21,7 +21,7 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 constexpr int kScatterTries = 10'000;
-constexpr double kBaseShare = 0.02;  // of the height: the part of a body that counts as its base
+constexpr double kBaseShare = 0.002;  // of the height: the part of a body that counts as its base
 
 // Height of each vertex above the ground; +infinity where there is none.
 std::vector<double> clearance(const std::vector<Vec3>& vertices, const Ground& ground) {
@@ -139,7 +139,7 @@ class Placer {
     object.name = spec.name.empty() ? spec.object_class + " " + std::to_string(object.truth.id.value) : spec.name;
     const std::string& name = object.name;
     base::Random random(spec.seed, "simulation shape " + std::to_string(index), static_cast<std::uint64_t>(copy));
-    object.shape = make_shape(shape_spec, random);
+    object.shape = shape_of(shape_spec, random, index);
     move(object.shape, {place.x(), place.y(), 0.0});
     const double up = spec.up_m ? *spec.up_m : resting_height(object.shape, ground_, place, name);
     move(object.shape, {0.0, 0.0, up - spec.sink_m});
@@ -152,6 +152,20 @@ class Placer {
         std::pair(static_cast<std::int64_t>(std::floor(place.y())), static_cast<std::int64_t>(std::floor(place.x()))),
         place);
     placed_.push_back(std::move(object));
+  }
+
+  // A spec out of range is a fault of the scene.
+  static Shape shape_of(const ShapeSpec& spec, base::Random& random, std::size_t index) {
+    try {
+      return make_shape(spec, random);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::invalid_argument) throw;
+      throw Error(ErrorCode::failed_precondition, error.message())
+          .record("objects[" + std::to_string(index) + "].shape " + error.record())
+          .found(error.found())
+          .allowed(error.allowed())
+          .hint(error.hint());
+    }
   }
 
   static void measure(PlacedObject& object) {

@@ -132,13 +132,16 @@ Vec3 normal_of(const RenderScene& scene, const Candidate& point) {
   return scene.mesh().area_vector(point.triangle).normalized();
 }
 
-// Directions over the hemisphere about a normal: eight a batch, three batches.
+// Directions over the hemisphere about a normal: eight a batch, three batches. A way is open where it leads to the
+// sky, or, downwards, to the outer side of another surface with room for a camera between. Under the ground every
+// way ends at a surface's inner side, or falls out of the scene.
 std::vector<std::uint8_t> exposed(const RenderScene& scene, const std::vector<Candidate>& points) {
   constexpr std::size_t kBatch = 8, kBatches = 3;
+  constexpr double kRoom = 0.5;   // m
+  constexpr double kSteep = 0.2;  // sine of an elevation; flatter ways may leave below the ground's edge
   std::vector<std::uint8_t> open(points.size(), 0);
   base::parallel_for(points.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-    std::array<Vec3, kBatch> ends;
-    std::array<std::uint8_t, kBatch> blocked{};
+    std::vector<geometry::Ray> rays(kBatch);
     for (std::size_t i = begin; i < end; ++i) {
       const Vec3 n = normal_of(scene, points[i]);
       const Vec3 side = (std::abs(n.x()) < 0.8 ? n.cross(Vec3::UnitX()) : n.cross(Vec3::UnitY())).normalized();
@@ -148,10 +151,16 @@ std::vector<std::uint8_t> exposed(const RenderScene& scene, const std::vector<Ca
           const std::size_t index = kBatches * k + batch;
           const double r = std::sqrt((static_cast<double>(index) + 0.5) / (kBatch * kBatches));
           const double a = static_cast<double>(index) * std::numbers::pi * (3.0 - std::sqrt(5.0));
-          ends[k] = from + kOpenAir * (r * std::cos(a) * side + r * std::sin(a) * other + std::sqrt(1.0 - r * r) * n);
+          rays[k] = {from, r * std::cos(a) * side + r * std::sin(a) * other + std::sqrt(1.0 - r * r) * n};
         }
-        scene.rays().blocked_from(from, ends, blocked, 0.0);
-        open[i] = std::any_of(blocked.begin(), blocked.end(), [](auto b) { return b == 0; }) ? 1 : 0;
+        const auto hits = scene.rays().cast(rays, kOpenAir);
+        for (std::size_t k = 0; k < kBatch && open[i] == 0; ++k) {
+          const Vec3& direction = rays[k].direction;
+          const bool way = hits[k].hit() ? hits[k].distance > kRoom &&
+                                               scene.mesh().area_vector(hits[k].triangle).dot(direction) < 0.0
+                                         : direction.z() > kSteep;
+          open[i] = way ? 1 : 0;
+        }
       }
     }
   });

@@ -37,7 +37,7 @@ struct View {
 // Columns of the cloud: colour as the sun lights it; `label` (u8: 0 none, 1 terrain, 2 rock, 3 pedestal, 4 basal
 // contact) and `target_id` (u32: the object; 4294967295 none), as `cairn segment` writes them. Points stand in the
 // order of their cubes. With views: what at least min_views of them see. Without: every outer surface from which
-// some way leads into the open air, also from below.
+// a way leads to the sky, or half a metre and more to the outer side of another surface (undersides of overhangs).
 // The same bytes for any number of threads; random numbers are keyed by (ctx.seed, triangle or point). About
 // 1.5 million points a CPU minute of exposed surface. Throws resource_exhausted past ctx's memory limit or 400
 // million samples, invalid_argument for options out of range.

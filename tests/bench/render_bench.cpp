@@ -155,7 +155,7 @@ int main(int argc, char** argv) {
   const double start = bench::cpu_seconds();
   const simulation::RenderScene scene(std::move(world.bodies), {});
   std::printf("scene: %zu triangles, %.2f CPU s, %.0f MB\n", scene.mesh().triangles.size(),
-              bench::cpu_seconds() - start);
+              bench::cpu_seconds() - start, bench::peak_megabytes());
 
   survey::Camera camera;
   camera.width_px = width;

@@ -15,13 +15,15 @@ using detection::read_onnx_header;
 using ::testing::ElementsAre;
 
 TEST(OnnxHeader, OfRealModels) {
-  const auto yunet = read_onnx_header(base::read_file(testing::test_data("detectors/yunet_n_320_320.onnx")), "yunet");
+  const auto yunet =
+      read_onnx_header(base::read_file(cairn::testing::test_data("detectors/yunet_n_320_320.onnx")), "yunet");
   ASSERT_EQ(yunet.inputs.size(), 1U);
   EXPECT_EQ(yunet.inputs[0].name, "input");
   EXPECT_THAT(yunet.inputs[0].dims, ElementsAre(1, 3, 320, 320));
   ASSERT_EQ(yunet.outputs.size(), 12U);
   EXPECT_EQ(yunet.outputs[0].name, "cls_8");
-  const auto ultra = read_onnx_header(base::read_file(testing::test_data("detectors/version-RFB-320.onnx")), "ultra");
+  const auto ultra =
+      read_onnx_header(base::read_file(cairn::testing::test_data("detectors/version-RFB-320.onnx")), "ultra");
   // An old file that lists its weights among the inputs.
   ASSERT_EQ(ultra.inputs.size(), 1U);
   EXPECT_THAT(ultra.inputs[0].dims, ElementsAre(1, 3, 240, 320));
@@ -29,10 +31,10 @@ TEST(OnnxHeader, OfRealModels) {
 }
 
 TEST(OnnxHeader, OpenSizesAndMetadata) {
-  const auto header =
-      read_onnx_header(testing::onnx_model("Relu", {1, 3, 0, 0},
-                                           {{"stride", "32"}, {"names", "{0: 'rock', 1: \"boulder's\", 2: 'tree'}"}}),
-                       "m");
+  const auto header = read_onnx_header(
+      cairn::testing::onnx_model("Relu", {1, 3, 0, 0},
+                                 {{"stride", "32"}, {"names", "{0: 'rock', 1: \"boulder's\", 2: 'tree'}"}}),
+      "m");
   EXPECT_THAT(header.inputs[0].dims, ElementsAre(1, 3, -1, -1));
   ASSERT_NE(header.find("stride"), nullptr);
   EXPECT_EQ(*header.find("stride"), "32");
@@ -43,13 +45,13 @@ TEST(OnnxHeader, OpenSizesAndMetadata) {
 TEST(OnnxHeader, NamesThatCannotBeReadAreNone) {
   for (const auto* text : {"", "rock, tree", "{0: rock}", "{0: 'rock", "{1: 'rock'}", "{a: 'rock'}"})
     EXPECT_TRUE(detection::class_names_from_metadata(
-                    read_onnx_header(testing::onnx_model("Relu", {1, 3, 8, 8}, {{"names", text}}), "m"))
+                    read_onnx_header(cairn::testing::onnx_model("Relu", {1, 3, 8, 8}, {{"names", text}}), "m"))
                     .empty())
         << text;
 }
 
 TEST(OnnxHeader, CutAnywhereIsAnErrorNotACrash) {
-  const std::string whole = testing::onnx_model("Relu", {1, 3, 8, 8}, {{"names", "{0: 'a'}"}});
+  const std::string whole = cairn::testing::onnx_model("Relu", {1, 3, 8, 8}, {{"names", "{0: 'a'}"}});
   int refused = 0;
   for (std::size_t length = 0; length < whole.size(); ++length) {
     try {

@@ -27,7 +27,7 @@ TEST(PlanTiles, CoverTheImageAndOverlapEnough) {
       for (std::size_t i = 1; i < tiles.size(); ++i) {
         EXPECT_EQ(tiles[i].width, 320U);
         EXPECT_GT(tiles[i].x, tiles[i - 1].x);
-        EXPECT_GE(tiles[i - 1].x + 320.0 - static_cast<double>(tiles[i].x), overlap * 320.0 - 1e-9);
+        EXPECT_GE(static_cast<double>(tiles[i - 1].x + 320 - tiles[i].x), overlap * 320.0 - 1e-9);
       }
     }
   EXPECT_EQ(plan_tiles(640, 640, {320, 320}, 0.0).size(), 4U);

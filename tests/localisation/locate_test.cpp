@@ -76,6 +76,7 @@ TEST(Locate, SaysHowSureTheCentreIs) {
   LocateOptions options = level_ground();
   options.sigma_px = 2.0;
   options.sigma_size = 0.0;
+  options.outline_sigma = 0.0;
   const auto result = run(s.survey, options);
   ASSERT_EQ(result.targets.size(), 1U);
   const auto& covariance = result.targets[0].covariance;

@@ -147,6 +147,24 @@ TEST(Tracks, AnIdentitySwitchMakesTwoTargets) {
   EXPECT_EQ(converged, 2U);
 }
 
+TEST(Tracks, TheTerrainBoundsTheDepthOfVideoToo) {
+  testing::NadirSurvey s(40, 0.5);
+  s.object({10, 0, 0.5});
+  const auto rows = as_track(s, 0, s.survey.detections.size(), 1);
+  base::RunContext ctx;
+  const auto result = locate(s.survey, Tracks(rows), LocateOptions{}, ctx, [](const View& view, const Vec3& direction) {
+    const double ground = view.T_world_camera.translation.z() / -direction.z();
+    return std::optional<DepthRange>({ground - 2.0, ground + 1.0});
+  });
+  expect_sound(result);
+  EXPECT_EQ(result.counts.depth_source, "bound");
+  EXPECT_TRUE(ctx.warnings().empty());
+  ASSERT_EQ(result.targets.size(), 1U);
+  EXPECT_EQ(result.targets[0].state, TargetState::converged);
+  // Depths of 3 m at first instead of 15: the points have gathered with the first keyframes.
+  EXPECT_LT(result.targets[0].entropy_nats.front(), 3.0);
+}
+
 TEST(Stages, AreEnteredInOrderAndWithEvidence) {
   testing::NadirSurvey s(60, 0.5);
   s.object({14, 0, 0.5});

@@ -14,7 +14,7 @@ constexpr int kEllipsoid = static_cast<int>(kEllipsoidParameters);
 constexpr double kNearest = 1e-3;  // m in front of the camera
 constexpr int kMostIterations = 100;
 constexpr int kCorrections = 8;            // Gauss-Newton steps with the harmonics
-constexpr double kSettled = 1e-9;          // largest step, m and relative
+constexpr double kSettled = 1e-8;          // largest step, m and relative
 constexpr double kLeastCondition = 1e-13;  // smallest / largest eigenvalue of the scaled normal matrix
 
 template <typename T>

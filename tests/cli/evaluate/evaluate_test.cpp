@@ -1,6 +1,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/atomic_file.hpp"
 #include "io/json.hpp"
 #include "io/ply.hpp"
@@ -64,7 +67,8 @@ class EvaluateCommand : public ::testing::Test {
     io::write_truth(truth_, survey_.manifest.origin, folder_ / "survey");
     for (const auto& object : truth_.objects) {
       const Vec3 foot(object.cylinder.axis.x(), object.cylinder.axis.y(), 0.0);
-      io::write_truth_mesh(folder_ / "survey", object.id, testing::box(foot - Vec3(1, 1, 0), foot + Vec3(1, 1, 2)));
+      io::write_truth_mesh(folder_ / "survey", object.id,
+                           cairn::testing::box(foot - Vec3(1, 1, 0), foot + Vec3(1, 1, 2)));
     }
   }
 
@@ -91,7 +95,7 @@ class EvaluateCommand : public ::testing::Test {
     return file;
   }
 
-  [[nodiscard]] static Json summary(const testing::ProgramResult& result) {
+  [[nodiscard]] static Json summary(const cairn::testing::ProgramResult& result) {
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return io::parse_json(result.out, "stdout");
   }
@@ -241,7 +245,7 @@ TEST_F(EvaluateCommand, BadInput) {
   EXPECT_THAT(twice.err, HasSubstr("frame 1"));
   base::write_file(folder_ / "far.txt", "1 0 0 0 0 0 0 1\n2 0 0 0 0 0 0 1\n");
   EXPECT_EQ(cairn({"evaluate", "trajectory", path("far.txt"), "--truth",
-                   testing::test_data("tum/fr2_desk_groundtruth.txt").string()})
+                   cairn::testing::test_data("tum/fr2_desk_groundtruth.txt").string()})
                 .exit_code,
             4);
 }

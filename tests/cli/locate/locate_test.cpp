@@ -6,6 +6,7 @@
 #include "io/ply.hpp"
 #include "io/survey_folder.hpp"
 #include "io/targets_json.hpp"
+#include "io/tracks_csv.hpp"
 #include "support/data.hpp"
 #include "support/nadir_survey.hpp"
 #include "support/run_program.hpp"
@@ -45,7 +46,7 @@ class LocateCommand : public ::testing::Test {
 };
 
 TEST_F(LocateCommand, WritesTargetsEvidenceLayersAndRecord) {
-  const auto result = run({"--json", "--points"});
+  const auto result = run({"--json"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto summary = cairn::io::parse_json(result.out, "stdout");
   EXPECT_EQ(summary.at("converged").as_integer(), 2);
@@ -55,9 +56,37 @@ TEST_F(LocateCommand, WritesTargetsEvidenceLayersAndRecord) {
   ASSERT_EQ(targets.targets.size(), 2U);
   EXPECT_LT((targets.targets[0].centre - cairn::geometry::Vec3(8, 0, 0.5)).norm(), 1e-6);
   EXPECT_EQ(cairn::io::read_ply_cloud(out_ / "points/1.ply").cloud.size(), 2000U);
+  EXPECT_THAT(cairn::base::read_file(out_ / "plots/1.svg"), HasSubstr("differential entropy"));
+  ASSERT_FALSE(targets.targets[0].history.empty());
+  EXPECT_EQ(targets.targets[0].history.back().state, cairn::survey::TargetState::converged);
   for (const auto* name : {"layers.gpkg", "target_evidence.csv", "run.json"})
     EXPECT_TRUE(fs::exists(out_ / name)) << name;
   EXPECT_THAT(cairn::base::read_file(out_ / "run.json"), HasSubstr("zero_area_box"));
+}
+
+TEST_F(LocateCommand, LeavesPointsAndPlotsOut) {
+  ASSERT_EQ(run({"--no-points", "--no-plots"}).exit_code, 0);
+  EXPECT_FALSE(fs::exists(out_ / "points"));
+  EXPECT_FALSE(fs::exists(out_ / "plots"));
+}
+
+TEST_F(LocateCommand, TakesTracks) {
+  const auto survey = cairn::io::read_survey(survey_);
+  std::vector<cairn::survey::TrackedBox> rows;
+  for (const auto& d : survey.detections)
+    if (d.object_class == "car") rows.push_back({cairn::survey::TrackId(7), cairn::survey::TrackState::detected, d});
+  ASSERT_GE(rows.size(), 3U);
+  const fs::path tracks = folder_ / "tracks.csv";
+  cairn::io::write_tracks(tracks, rows);
+  const auto result = run({"--json", "--tracks", tracks.string(), "--generation-boxes", "2"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = cairn::io::parse_json(result.out, "stdout");
+  EXPECT_GT(summary.at("rejects_by_reason").at("unregistered").as_integer(), 0);
+  const auto targets = cairn::io::read_targets(out_ / "targets.json");
+  ASSERT_EQ(targets.targets.size(), 1U);
+  EXPECT_EQ(targets.targets[0].object_class, "car");
+  EXPECT_THAT(cairn::base::read_file(out_ / "run.json"), HasSubstr("tracks.csv"));
+  EXPECT_EQ(run({"--tracks", "none.csv", "--overwrite"}).exit_code, 4);
 }
 
 TEST_F(LocateCommand, PaperModeSaysWhatItsCovarianceIs) {

@@ -91,6 +91,39 @@ TEST_F(RefineCommand, WritesACompleteSurveyBesideTheOldOne) {
   EXPECT_EQ(rows, 6);
 }
 
+TEST_F(RefineCommand, ControlPointsBringTheSurveyBack) {
+  auto shifted = block_.perturbed(0.3, 0.5, 3);
+  for (auto& frame : shifted.frames) frame.T_world_camera.translation += cairn::geometry::Vec3(3, -2, 1);
+  write(shifted);
+  std::string table = "# crs: local\nname,x,y,z,image,x_px,y_px,use\n";
+  cairn::base::Random random(1, "control", 0);
+  const double places[5][3] = {{0, 0, 0}, {24, 0, 1}, {0, 12, 2}, {24, 12, 0}, {12, 6, 1}};
+  for (int i = 0; i < 5; ++i)
+    for (const auto& seen : block_.seen({places[i][0], places[i][1], places[i][2]}, random, 0.3)) {
+      table += "p" + std::to_string(i + 1);
+      for (const double v : places[i]) table += "," + std::to_string(v);
+      table += "," + std::to_string(seen.frame.value) + ".jpg," + std::to_string(seen.pixel.x()) + "," +
+               std::to_string(seen.pixel.y()) + (i == 4 ? ",check\n" : ",control\n");
+    }
+  const fs::path file = folder_ / "control.csv";
+  cairn::base::write_file(file, table);
+  const auto result = run({"--control", file.string(), "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = cairn::io::parse_json(result.out, "stdout");
+  EXPECT_EQ(summary.at("gauge").as_string(), "control");
+  const auto& points = summary.at("control_points").as_array();
+  ASSERT_EQ(points.size(), 5U);
+  for (const auto& point : points) {
+    EXPECT_GT(point.at("before_m").as_vec3().norm(), 2.0);
+    EXPECT_LT(point.at("after_m").as_vec3().norm(), 0.1);
+  }
+  EXPECT_EQ(points[4].at("use").as_string(), "check");
+  EXPECT_NE(cairn::io::read_survey(out_).manifest.source("control_points"), nullptr);
+
+  EXPECT_EQ(run({"--overwrite", "--control", "nowhere.csv"}).exit_code, 4);
+  EXPECT_EQ(run({"--overwrite", "--control", file.string(), "--control-crs", "EPSG:0"}).exit_code, 6);
+}
+
 TEST_F(RefineCommand, SameBytesForAnyThreadCount) {
   const auto bytes = [&] {
     std::string all;
