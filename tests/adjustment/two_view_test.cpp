@@ -39,14 +39,12 @@ TEST(TwoView, OverFlatGroundTheModelIsPlanarAndWrongMatchesAreDropped) {
   const auto s = scene(1.0, 60);
   const auto result = verify_two_views(s.matches);
   EXPECT_EQ(result.model, TwoViewModel::planar);
-  std::size_t kept_wrong = 0;
+  std::size_t kept_wrong = 0, lost = 0;
   for (std::size_t i = 0; i < s.matches.size(); ++i) {
-    if (s.right[i]) {
-      EXPECT_EQ(result.inlier[i], 1) << i;
-    } else {
-      kept_wrong += result.inlier[i];
-    }
+    kept_wrong += !s.right[i] && result.inlier[i] != 0 ? 1U : 0U;
+    lost += s.right[i] && result.inlier[i] == 0 ? 1U : 0U;
   }
+  EXPECT_EQ(lost, 0U);
   EXPECT_LE(kept_wrong, 1U);
 }
 
@@ -54,9 +52,9 @@ TEST(TwoView, WithReliefTheModelIsEssential) {
   const auto s = scene(20.0, 60);
   const auto result = verify_two_views(s.matches);
   EXPECT_EQ(result.model, TwoViewModel::essential);
-  for (std::size_t i = 0; i < s.matches.size(); ++i) {
-    if (s.right[i]) EXPECT_EQ(result.inlier[i], 1) << i;
-  }
+  std::size_t lost = 0;
+  for (std::size_t i = 0; i < s.matches.size(); ++i) lost += s.right[i] && result.inlier[i] == 0 ? 1U : 0U;
+  EXPECT_EQ(lost, 0U);
   EXPECT_GE(result.inliers, 140U);
   EXPECT_LE(result.inliers, 143U);
 }
