@@ -461,4 +461,12 @@ BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& 
   return counts;
 }
 
+BodyFitCounts refine_bodies(LocateResult& located, const survey::Survey& survey, const BodyFitOptions& options,
+                            base::RunContext& ctx) {
+  const auto counts = refine_bodies(located.targets, without_drift(survey, located), options, ctx);
+  for (std::size_t i = 0; i < located.targets.size(); ++i)
+    if (auto& body = located.targets[i].refined) body->covariance += located.evidence[i].drift_covariance;
+  return counts;
+}
+
 }  // namespace cairn::localisation

@@ -7,6 +7,7 @@
 
 #include "base/options.hpp"
 #include "base/run_context.hpp"
+#include "localisation/locate.hpp"
 #include "survey/survey.hpp"
 #include "survey/target.hpp"
 
@@ -40,5 +41,10 @@ struct BodyFitCounts {
 // fit_one_direction, fit_behind_camera, fit_not_converged, fit_singular.
 BodyFitCounts refine_bodies(std::vector<survey::Target>& targets, const survey::Survey& survey,
                             const BodyFitOptions& options, base::RunContext& ctx);
+
+// The same for what `locate` found in `survey`: the boxes are seen from the positions less their drift, and what is
+// left of the drift is part of each body's covariance.
+BodyFitCounts refine_bodies(LocateResult& located, const survey::Survey& survey, const BodyFitOptions& options,
+                            base::RunContext& ctx);
 
 }  // namespace cairn::localisation

@@ -22,8 +22,9 @@ struct Candidate {
   Triangulation fix;
   // What slow errors of the poses, and the outline's middle not being the object's, add to the fix's, m^2.
   geometry::Mat3 common_covariance = geometry::Mat3::Zero();
-  double size_m = 0.0;             // box diagonal x depth / focal length, median
-  std::size_t visible_frames = 0;  // frames that should show the whole object
+  geometry::Mat3 drift_covariance = geometry::Mat3::Zero();  // the part of it that is drift of the positions
+  double size_m = 0.0;                                       // box diagonal x depth / focal length, median
+  std::size_t visible_frames = 0;                            // frames that should show the whole object
 };
 
 struct Consensus {

@@ -50,8 +50,8 @@ void add_common_errors(const std::map<survey::TargetId, geometry::Mat3>& wander,
     const double level = options.outline_sigma * c.size_m;
     const geometry::Vec3 sigma(level, level, kInHeight * level);
     const auto at = wander.find(c.id);
-    c.common_covariance = at == wander.end() ? widest : at->second;
-    c.common_covariance += geometry::Mat3(sigma.cwiseAbs2().asDiagonal());
+    c.drift_covariance = at == wander.end() ? widest : at->second;
+    c.common_covariance = c.drift_covariance + geometry::Mat3(sigma.cwiseAbs2().asDiagonal());
   }
 }
 

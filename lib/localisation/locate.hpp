@@ -26,6 +26,7 @@ struct TargetEvidence {
   double size_m = 0.0;                                  // box diagonal at the target's distance, median
   geometry::Vec3 points_mean = geometry::Vec3::Zero();  // the filter's own estimate, m
   geometry::Mat3 points_covariance = geometry::Mat3::Zero();  // its spread, m^2
+  geometry::Mat3 drift_covariance = geometry::Mat3::Zero();  // of the centre: what is left of the positions' drift, m^2
 };
 
 struct LocateCounts {

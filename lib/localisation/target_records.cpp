@@ -80,6 +80,7 @@ TargetRecord robust_record(const PreparedBoxes& prepared, const PointsTracker& t
   t.centre = c.fix.centre;
   t.covariance = c.fix.covariance + c.common_covariance;
   out.evidence.visible_frames = c.visible_frames;
+  out.evidence.drift_covariance = c.drift_covariance;
   out.evidence.rms_px = c.fix.rms_px;
   out.evidence.parallax_deg = base::rad_to_deg(c.fix.parallax_rad);
   out.evidence.size_m = c.size_m;

@@ -187,8 +187,7 @@ Outcome locate_stage(const LocateInputs& in, const fs::path& out, const LocateSt
   const localisation::Tracks tracks = in.tracks.empty() ? localisation::Tracks() : localisation::Tracks(tracked);
   LocateResult result = localisation::locate(survey, tracks, options.locate, ctx, bound);
   std::optional<localisation::BodyFitCounts> bodies;
-  if (options.refine_bodies)
-    bodies = localisation::refine_bodies(result.targets, without_drift(survey, result), options.body, ctx);
+  if (options.refine_bodies) bodies = localisation::refine_bodies(result, survey, options.body, ctx);
   io::write_targets(out / "targets.json", {survey.manifest.origin, result.targets});
   write_evidence(out / "target_evidence.csv", result);
   if (options.points) write_points(out / "points", result);

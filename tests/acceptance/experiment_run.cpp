@@ -136,10 +136,7 @@ Json run_seed(const simulation::Scene& scene, std::uint64_t seed, const RunOptio
     } else {
       located = localisation::locate(survey, locate, ctx);
     }
-    if (mode == "robust") {
-      const survey::Survey steady = localisation::without_drift(survey, located);
-      localisation::refine_bodies(located.targets, steady, {}, ctx);
-    }
+    if (mode == "robust") localisation::refine_bodies(located, survey, {}, ctx);
     const auto stages = evaluation::score_stages(located.targets, survey.detections, recording.truth, {});
     Json result = Json::object({{"stages", stages_json(stages)}, {"targets", states_json(located.targets)}});
     for (const auto& [errors_name, bias] : {std::pair{"errors_raw", BiasRemoval::none},
