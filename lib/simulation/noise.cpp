@@ -89,7 +89,7 @@ double fractal_noise(const geometry::Vec3& p, std::uint64_t seed, int octaves, d
 double filtered_noise(const geometry::Vec3& p, std::uint64_t seed, double wavelength, double footprint, int octaves,
                       double gain) {
   double sum = 0.0, total = 0.0, amplitude = 1.0, length = wavelength;
-  geometry::Vec3 q = octave_turn() * p;  // surfaces along the axes would show the lattice's squares
+  geometry::Vec3 q = p;
   for (int i = 0; i < octaves; ++i) {
     total += amplitude;
     const double weight = carried(length, footprint);
@@ -105,7 +105,7 @@ geometry::Vec3 filtered_noise_gradient(const geometry::Vec3& p, std::uint64_t se
                                        int octaves, double gain) {
   geometry::Vec3 sum = geometry::Vec3::Zero();
   double amplitude = 1.0, length = wavelength, total = 0.0;
-  geometry::Mat3 turn = octave_turn();
+  geometry::Mat3 turn = geometry::Mat3::Identity();
   for (int i = 0; i < octaves; ++i) {
     total += amplitude;
     if (const double weight = carried(length, footprint); weight > 0.0) {
