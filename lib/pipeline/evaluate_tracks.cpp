@@ -71,6 +71,10 @@ Json to_json(const Scores& s) {
                        {"ignored_track_boxes", s.ignored_tracks}});
 }
 
+void set_members(Json& into, const Json& from) {
+  for (const auto& [name, value] : from.as_object()) into.set(name, value);
+}
+
 std::int64_t identity(const io::ImageBox& box, const fs::path& path) {
   if (box.track < 0)
     throw Error(ErrorCode::invalid_input, "a box without identity")
@@ -178,7 +182,7 @@ Outcome evaluate_tracks(const EvaluateInputs& in, const EvaluateOptions& options
                                : score(truth_of_boxes(in.truth, in, options),
                                        tracks_of_boxes(in.result, in, outcome.rejects), options);
     outcome.summary = Json::object({{"kind", "tracks"}});
-    for (const auto& [name, value] : to_json(s).as_object()) outcome.summary.set(name, value);
+    set_members(outcome.summary, to_json(s));
     return outcome;
   }
   std::vector<fs::path> results;
@@ -198,7 +202,7 @@ Outcome evaluate_tracks(const EvaluateInputs& in, const EvaluateOptions& options
     sequences.set(name, to_json(s));
   }
   outcome.summary = Json::object({{"kind", "tracks"}});
-  for (const auto& [name, value] : to_json(sum).as_object()) outcome.summary.set(name, value);
+  set_members(outcome.summary, to_json(sum));
   outcome.summary.set("sequences", std::move(sequences));
   return outcome;
 }
