@@ -183,6 +183,9 @@ std::optional<Outline> ObjectOutline::clipped(const survey::Camera& camera,
     for (const Vec2& p : outline) inside.extend(p);
   }
   if (inside.empty()) return std::nullopt;
+  // Cutting an edge at the border leaves a rounding error.
+  inside.box = {std::max(0.0, inside.box.xmin), std::max(0.0, inside.box.ymin), std::min(w, inside.box.xmax),
+                std::min(h, inside.box.ymax)};
   const bool whole = !cut && all.box == inside.box;
   return Outline{inside.box, whole, std::min(1.0, inside.box.area() / all.box.area())};
 }

@@ -94,26 +94,9 @@ std::vector<survey::TrackedBox> track(const survey::Survey& survey, std::int64_t
 
 }  // namespace
 
-simulation::Scene with_pose_grade(simulation::Scene scene, const std::string& grade) {
-  if (grade == "rtk") {
-    scene.pose_noise = {};
-    scene.pose_noise.white_xy_m = scene.pose_noise.white_z_m = 0.02;
-    scene.pose_noise.attitude_deg = 0.3;
-    scene.pose_noise.attitude_correlation_s = 2.0;
-  } else if (grade == "gps") {
-    scene.pose_noise = {};
-    scene.pose_noise.white_xy_m = scene.pose_noise.white_z_m = 0.05;
-    scene.pose_noise.constant_xy_m = scene.pose_noise.constant_z_m = 1.5;
-    scene.pose_noise.walk_xy_m_sqrt_s = scene.pose_noise.walk_z_m_sqrt_s = 0.01;
-    scene.pose_noise.attitude_deg = 1.0;
-    scene.pose_noise.attitude_correlation_s = 2.0;
-  }
-  return scene;
-}
-
 Json run_seed(const simulation::Scene& scene, std::uint64_t seed, const RunOptions& options, base::RunContext& ctx) {
   ctx.seed = seed;
-  const auto recording = simulation::simulate(with_pose_grade(scene, options.grade), seed, ctx);
+  const auto recording = simulation::simulate(scene, seed, ctx);
   const auto& survey = recording.survey;
   std::map<survey::ObjectId, std::vector<evaluation::SurfacePatch>> surfaces;
   for (std::size_t i = 0; i < recording.truth.objects.size(); ++i) {

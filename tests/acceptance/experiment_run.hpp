@@ -11,12 +11,8 @@
 
 namespace cairn::acceptance {
 
-// What the poses are like. scene: as the scene's file has them; rtk: 2 cm and 0.3 deg; gps: a slow bias of 1.5 m and
-// 1 deg, drawn for each flight, that wanders by 1 cm per square root of a second.
-[[nodiscard]] simulation::Scene with_pose_grade(simulation::Scene scene, const std::string& grade);
-
 struct RunOptions {
-  std::string grade = "scene";
+  std::string grade = "scene";  // label of the poses: the scene as it is, or its twin with rtk or gps poses
   bool tracks = true;  // SORT first, with the public code's options
   // robust; paper: with tracks of detected boxes; paper_coasted: with the tracker's predictions, as the public code.
   std::vector<std::string> modes{"robust", "paper", "paper_coasted"};

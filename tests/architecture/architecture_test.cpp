@@ -149,7 +149,7 @@ TEST(Architecture, TestsMirrorTheLibrary) {
     const std::string name = entry.path().filename().string();
     if (entry.path().extension() != ".cpp" || name.ends_with("_test.cpp")) continue;
     const fs::path relative = fs::relative(entry.path(), source_dir() / "tests");
-    EXPECT_THAT(relative.begin()->string(), testing::AnyOf("support", "bench", "fuzz", "data"))
+    EXPECT_THAT(relative.begin()->string(), testing::AnyOf("support", "bench", "fuzz", "data", "acceptance"))
         << relative << " is neither a test (_test.cpp) nor support";
   }
 }

@@ -1,5 +1,6 @@
 #include "simulation/simulate.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -382,9 +383,10 @@ TEST(Simulate, RefusesWhatCannotBeFlown) {
   crowd.count = 10000;
   crowd.spacing_m = 5.0;
   crowd.area = {{0, 0}, {10, 0}, {10, 10}, {0, 10}};
+  scene.objects[0].name.clear();
   scene.objects[0].position.reset();
   scene.objects[0].scatter = crowd;
-  EXPECT_NE(message(scene).find("no room"), std::string::npos);
+  EXPECT_THAT(message(scene), testing::HasSubstr("no room"));
 }
 
 }  // namespace

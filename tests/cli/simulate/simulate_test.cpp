@@ -108,7 +108,7 @@ TEST_F(TinySurvey, MasksShowTheObjectsInTheirTrueBoxes) {
       }
     if (box.box.area() < 100.0) continue;  // px^2: thin tips fall between rays
     ++tested;
-    constexpr double kPixel = 1.5;  // px: a tree's tip and a cone's are thinner than a pixel
+    constexpr double kPixel = 3.0;  // px: corners of a faceted body, like a tree's tip, end thinner than a pixel
     EXPECT_NEAR(box.box.xmin, xmin, kPixel) << "frame " << number << " object " << box.object.value;
     EXPECT_NEAR(box.box.xmax, xmax, kPixel) << "frame " << number << " object " << box.object.value;
     EXPECT_NEAR(box.box.ymax, ymax, kPixel) << "frame " << number << " object " << box.object.value;
