@@ -236,17 +236,24 @@ void add_covariances(BundleWork& work, BundleResult& result) {
   const auto constraint = work.gauge != BundleGauge::aligned ? PoseConstraint::none
                           : in_line(positions)               ? PoseConstraint::poses
                                                              : PoseConstraint::positions;
-  const auto covariances = pose_covariances(system, constraint, result.covariance_method == "full");
+  const bool full = result.covariance_method == "full";
+  const auto covariances = pose_covariances(system, constraint, full);
+  // Held by priors alone, all frames share the priors' common error. It says nothing of how well they fit one another,
+  // which is what a record's sigma is used for.
+  const bool common = full && work.gauge == BundleGauge::priors && positions.size() >= 3 && !in_line(positions);
+  const auto relative = common ? pose_covariances(system, PoseConstraint::positions, full) : covariances;
   for (std::size_t f = 0; f < work.poses.size(); ++f) {
     const auto i = work.system_index[f];
     if (i < 0) continue;
     const Mat6& c = covariances[static_cast<std::size_t>(i)];
     if (!c.allFinite() || !(c.diagonal().minCoeff() > 0.0)) continue;
     result.frame_reports[f].covariance = c;
+    const Mat6& r = relative[static_cast<std::size_t>(i)];
+    const Mat6& own = r.allFinite() && r.diagonal().minCoeff() > 0.0 ? r : c;
     auto& frame = result.frames[f];
-    frame.sigma_xy_m = std::sqrt(0.5 * (c(3, 3) + c(4, 4)));
-    frame.sigma_z_m = std::sqrt(c(5, 5));
-    frame.sigma_rot_deg = base::rad_to_deg(std::sqrt(c.topLeftCorner<3, 3>().trace() / 3.0));
+    frame.sigma_xy_m = std::sqrt(0.5 * (own(3, 3) + own(4, 4)));
+    frame.sigma_z_m = std::sqrt(own(5, 5));
+    frame.sigma_rot_deg = base::rad_to_deg(std::sqrt(own.topLeftCorner<3, 3>().trace() / 3.0));
   }
 }
 

@@ -19,8 +19,8 @@ struct GuidedView {
 
 struct GuidedOptions {
   double tolerance = 0.01;        // half width of the strip searched [focal lengths of b]
-  double ratio = 0.85;            // best / second-best descriptor distance within the strip
-  double least_closeness = 0.85;  // product of the unit descriptors: a strip may hold no second candidate
+  double ratio = 0.8;            // best / second-best descriptor distance within the strip
+  double least_closeness = 0.92;  // product of the unit descriptors: a strip may hold no second candidate
 };
 
 // A feature of a can lie, by its depth, along a stretch of its epipolar line in b; only features of b within

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "adjustment/bundle.hpp"
+#include "base/angle.hpp"
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "camera/projection_jacobian.hpp"
@@ -18,12 +19,23 @@ namespace {
 using adjustment::BundleResult;
 using io::Json;
 
+// The frame with its whole uncertainty, what all frames have in common included.
+survey::Frame with_common_errors(const BundleResult& result, std::size_t index) {
+  survey::Frame frame = result.frames[index];
+  const auto& c = result.frame_reports[index].covariance;
+  if (c.isZero(0.0)) return frame;
+  frame.sigma_xy_m = std::sqrt(0.5 * (c(3, 3) + c(4, 4)));
+  frame.sigma_z_m = std::sqrt(c(5, 5));
+  frame.sigma_rot_deg = base::rad_to_deg(std::sqrt(c.topLeftCorner<3, 3>().trace() / 3.0));
+  return frame;
+}
+
 void write_frames(const fs::path& path, const BundleResult& result) {
   io::CsvWriter csv(path, {"frame_id", "state", "observations", "outliers", "rms_before_px", "rms_after_px", "moved_m",
                            "turned_deg", "prior_sigmas", "sigma_xy_m", "sigma_z_m", "sigma_rot_deg"});
   for (std::size_t i = 0; i < result.frames.size(); ++i) {
     const auto& report = result.frame_reports[i];
-    const auto& frame = result.frames[i];
+    const auto frame = with_common_errors(result, i);
     csv.cell(frame.id.value)
         .cell(report.reason.empty() ? "adjusted" : report.reason)
         .cell(static_cast<std::uint64_t>(report.observations))
@@ -45,7 +57,7 @@ Json frames_json(const BundleResult& result) {
   Json frames = Json::array();
   for (std::size_t i = 0; i < result.frames.size(); ++i) {
     const auto& r = result.frame_reports[i];
-    const auto& frame = result.frames[i];
+    const auto frame = with_common_errors(result, i);
     frames.push(Json::object({{"frame", frame.id.value},
                               {"state", r.reason.empty() ? "adjusted" : r.reason},
                               {"observations", r.observations},
@@ -196,6 +208,10 @@ Outcome refine_stage(const RefineInputs& in, const fs::path& out, const RefineSt
     rejects = std::move(matched.matching.rejects);
     free_intrinsics(matched.one_height, bundle, survey);
     for (const auto& frame : matched.matching.start) start.push_back(frame.T_world_camera);
+    // One compass and one mount turn all frames alike: the positions know the survey's azimuth better than the mean of
+    // its headings, and the images know the rest.
+    constexpr double kMatchedPriorDeg = 30.0;
+    if (bundle.prior_sigma_rot_deg == 0.0) bundle.prior_sigma_rot_deg = kMatchedPriorDeg;
   }
   if (survey.ties.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "the survey has no tie points")

@@ -72,9 +72,10 @@ TEST(TieMatchesOnBrightonBeach, FindsTheSixTurnedFrames) {
 
 TEST(TieMatchesOnBrightonBeach, TiesAgreeWithColmapsPoses) {
   const auto& ties = matched();
-  EXPECT_THAT(ties.unmatched, ::testing::IsEmpty());
-  // Measured: 9550 points, 24 378 observations. COLMAP on images of 2400 px: 4881 points, 19 804.
-  EXPECT_GT(ties.ties.size(), 8000U);
+  // Half of DJI_0018 is water; what it shares with the others by matching alone is wrong.
+  EXPECT_THAT(ties.unmatched, ::testing::ElementsAre(survey::FrameId(18)));
+  // Measured: 6058 points. COLMAP on images of 2400 px: 4881 points, 19 804.
+  EXPECT_GT(ties.ties.size(), 5000U);
   EXPECT_GT(static_cast<double>(ties.observations) / static_cast<double>(ties.ties.size()), 2.5);
   const auto check = against_colmap(ties);
   constexpr double kMedianPx = 0.8;  // COLMAP's own mean is 0.81 px of 4000 px wide images, 0.32 of these
@@ -82,7 +83,7 @@ TEST(TieMatchesOnBrightonBeach, TiesAgreeWithColmapsPoses) {
   std::size_t wrong = check.lost;
   constexpr double kWrongPx = 4.0;  // a tenth of a car at 1600 px
   for (const auto r : check.residuals_px) wrong += r > kWrongPx ? 1U : 0U;
-  EXPECT_LT(static_cast<double>(wrong), 0.045 * static_cast<double>(ties.observations));
+  EXPECT_LT(static_cast<double>(wrong), 0.02 * static_cast<double>(ties.observations));
 }
 
 }  // namespace

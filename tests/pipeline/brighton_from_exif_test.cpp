@@ -123,32 +123,40 @@ TEST(BrightonBeachFromExif, TheTurnedFramesAreFoundAndNamed) {
 }
 
 TEST(BrightonBeachFromExif, PosesComeNearColmaps) {
-  EXPECT_EQ(job().summary.at("frames_adjusted").as_integer(), 18);
+  // DJI_0018 shares too little with the others that is right; it keeps its own pose, and says so.
+  EXPECT_EQ(job().summary.at("frames_adjusted").as_integer(), 17);
+  EXPECT_TRUE(job().summary.at("converged").as_bool());
   constexpr double kRmsPx = 0.8;  // of 1600; COLMAP's mean is 0.81 px of 4000
   EXPECT_LT(job().summary.at("rms_after_px").as_real(), kRmsPx);
   const auto colmap = testing::brighton_beach_colmap();
   std::vector<double> turns;
   for (const auto& frame : job().refined.frames) {
+    if (frame.id.value == 18) continue;
     const std::string image = "DJI_00" + std::to_string(frame.id.value) + ".JPG";
     const auto& truth = *std::find_if(colmap.frames.begin(), colmap.frames.end(),
                                       [&](const survey::Frame& f) { return f.image == image; });
     turns.push_back(base::rad_to_deg(
         geometry::rotation_angle(truth.T_world_camera.rotation.transpose() * frame.T_world_camera.rotation)));
   }
-  // Measured 2.4. Two legs 20 m apart with heights good to a metre leave the block free to tilt by more than a degree.
-  constexpr double kTurnDeg = 3.0;
+  // Measured 0.7. Two legs 20 m apart with heights good to a metre leave the block free to tilt.
+  constexpr double kTurnDeg = 1.0;
   EXPECT_LT(quantile(turns, 1.0), kTurnDeg);
 }
 
-// Measured: 32 of 37 found, median 0.35 m, 95 % 0.82 m, 2 of 55 wrong. The goal is >= 90 % found and 95 % <= 0.3 m: it
-// is not reached yet; these limits only hold what is.
+// The goal is >= 90 % found, and 95 % within 0.3 m, which is just missed: what is left is a bend of the block of a few
+// decimetres, as the focal length is known to 3 %.
 TEST(BrightonBeachFromExif, LocatesMostObjects) {
   const Score s = score(job().refined);
   EXPECT_EQ(s.wanted, 37U);
-  EXPECT_GE(s.found, 31U);
-  EXPECT_LE(s.median_m, 0.45);
-  EXPECT_LE(s.p95_m, 0.95);
-  EXPECT_LE(s.wrong, 3U);
+  EXPECT_GE(s.found, 34U);
+  EXPECT_LE(s.median_m, 0.20);
+  EXPECT_LE(s.p95_m, 0.36);
+  EXPECT_LE(s.wrong, 1U);
+  RecordProperty("found", static_cast<int>(s.found));
+  RecordProperty("p95_mm", static_cast<int>(1e3 * s.p95_m));
+  RecordProperty("median_mm", static_cast<int>(1e3 * s.median_m));
+  RecordProperty("wrong", static_cast<int>(s.wrong));
+  RecordProperty("converged", static_cast<int>(s.converged));
 }
 
 // Without refinement the same photographs are of little use: what the stage is for.
