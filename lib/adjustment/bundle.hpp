@@ -85,7 +85,7 @@ struct BundleResult {
   // All frames of the problem. Sigmas are a-posteriori where they were computed; with BundleGauge::priors and full
   // covariances they are those of the frames against one another (no common similarity; frame_reports has both).
   std::vector<survey::Frame> frames;
-  std::vector<survey::TiePoint> ties;  // points used, with the observations used, ascending id
+  std::vector<survey::TiePoint> ties;      // points used, with the observations used, ascending id
   std::vector<BundleFrame> frame_reports;  // as frames
   std::vector<BundleControl> control;
   std::vector<BundleRound> rounds;

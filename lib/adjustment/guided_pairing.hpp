@@ -19,7 +19,7 @@ struct GuidedView {
 
 struct GuidedOptions {
   double tolerance = 0.01;        // half width of the strip searched [focal lengths of b]
-  double ratio = 0.8;            // best / second-best descriptor distance within the strip
+  double ratio = 0.8;             // best / second-best descriptor distance within the strip
   double least_closeness = 0.92;  // product of the unit descriptors: a strip may hold no second candidate
 };
 

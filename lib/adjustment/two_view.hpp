@@ -22,8 +22,8 @@ enum class TwoViewModel { none, essential, planar };
 [[nodiscard]] std::string_view name_of(TwoViewModel model);
 
 struct TwoViewOptions {
-  double epipolar = 0.003;     // distance from the epipolar line, in focal lengths
-  double relief = 0.06;        // distance from the homography of a planar scene, in focal lengths
+  double epipolar = 0.003;    // distance from the epipolar line, in focal lengths
+  double relief = 0.06;       // distance from the homography of a planar scene, in focal lengths
   double planar_share = 0.5;  // homography's inliers (at 2 * epipolar) / essential matrix' inliers
   std::size_t min_inliers = 20;
   double min_inlier_share = 0.5;

@@ -15,7 +15,7 @@ namespace cairn::pipeline {
 struct MatchedSurvey {
   survey::Survey survey;             // ties replaced; poses and cameras of turned frames put right, with a note
   adjustment::MatchedTies matching;  // its `ties` were moved into the survey
-  bool one_height = false;       // all views look down from about one height: no evidence on the focal length
+  bool one_height = false;           // all views look down from about one height: no evidence on the focal length
   io::Json summary;                  // counts, turned frames with their evidence, pairs, rejects
 };
 

@@ -13,7 +13,7 @@ namespace cairn::acceptance {
 
 struct RunOptions {
   std::string grade = "scene";  // label of the poses: the scene as it is, or its twin with rtk or gps poses
-  bool tracks = true;  // SORT first, with the public code's options
+  bool tracks = true;           // SORT first, with the public code's options
   // robust; paper: with tracks of detected boxes; paper_coasted: with the tracker's predictions, as the public code.
   std::vector<std::string> modes{"robust", "paper", "paper_coasted"};
   double paper_depth_m = 23;  // d_m of mode paper: the public code's value for this experiment's terrain
