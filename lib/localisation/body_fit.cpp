@@ -30,6 +30,7 @@ struct SeenBox {
   survey::FrameId frame;
   BoxPlanes planes;
   double side_variance = 1.0;  // px^2, assumed
+  double turn_m = 0.0;         // what the rotation's sigma is at the target
   Mat2 pose = Mat2::Zero();    // of the box's place by the pose, px^2, assumed
   double reach_m = 0.0;        // half the box's mean side at the target's depth
   bool whole = true;
@@ -128,10 +129,12 @@ std::optional<SeenBox> see(const survey::Survey& survey, const survey::Detection
   const double side = 0.5 * (ideal->width() + ideal->height());
   box.side_variance = options.sigma_px * options.sigma_px + options.sigma_size * options.sigma_size * side * side;
   const auto known = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0; };
-  box.pose = pose_covariance(
-      view, centre, options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_xy_m),
-      options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_z_m),
-      base::deg_to_rad(options.pose_sigma_deg >= 0.0 ? options.pose_sigma_deg : known(frame->sigma_rot_deg)));
+  const double sigma_rot =
+      base::deg_to_rad(options.pose_sigma_deg >= 0.0 ? options.pose_sigma_deg : known(frame->sigma_rot_deg));
+  box.pose =
+      pose_covariance(view, centre, options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_xy_m),
+                      options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_z_m), sigma_rot);
+  box.turn_m = sigma_rot * depth;
   box.reach_m = 0.25 * depth * (ideal->width() / view.fx_px + ideal->height() / view.fy_px);
   return box;
 }
@@ -197,7 +200,7 @@ constexpr double kHeightSigma = 0.4;    // log of half height over mean level se
 constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
 // What degree 6 cannot follow: sharp edges. The middle of the plan by this share of the radius, top and bottom by this
 // share of the height (1 sigma); a cut foot's edge lies higher than its smooth continuation by kFootShare.
-constexpr double kPlanError = 0.02, kEndError = 0.011, kFootShare = 0.028;
+constexpr double kPlanError = 0.022, kEndError = 0.02, kFootShare = 0.028;
 constexpr double kExactly = 1e-7;  // sigma of a harmonic that is held at 0
 
 BodyPrior body_prior(double radius, bool rock) {
@@ -353,6 +356,11 @@ void finish(const Work& work, const BodyFitOptions& options, Target& target) {
     const double plan = kPlanError * r.cylinder.radius, end = std::sqrt(0.5) * kEndError * r.cylinder.height();
     r.covariance.diagonal() += Vec3(plan * plan, plan * plan, end * end);
   }
+  double turn_m = 0.0;
+  for (const auto& box : work.boxes) turn_m += box.turn_m / static_cast<double>(work.boxes.size());
+  const double common = options.common_turn * turn_m;
+  constexpr double kInHeight = 2.0;  // a common tilt cancels around an object, and lifts or lowers it
+  r.covariance.diagonal() += Vec3(common * common, common * common, kInHeight * kInHeight * common * common);
   const double aside = options.margin_sigmas * std::sqrt(std::max(r.covariance(0, 0), r.covariance(1, 1)));
   const double above = options.margin_sigmas * std::sqrt(r.covariance(2, 2));
   r.cylinder.radius += aside;
@@ -395,6 +403,8 @@ void BodyFitOptions::visit(base::OptionVisitor& v) {
   v.flag("body-assumed-noise", assumed_noise, "joint fit: keep the assumed errors instead of the residuals' own");
   v.real("body-pose-sigma-m", pose_sigma_m, -1.0, 1e3, "joint fit: 1 sigma of a camera position; -1 = by frame");
   v.real("body-pose-sigma-deg", pose_sigma_deg, -1.0, 180.0, "joint fit: 1 sigma of a camera rotation; -1 = by frame");
+  v.real("body-common-turn", common_turn, 0.0, 1.0,
+         "joint fit: share of the rotations' sigma that all frames of an object have in common");
   v.real("body-loss-scale", loss_scale, 0.5, 1e3, "joint fit: whitened residual at which a box has half its weight");
   v.choice("body-shape", shape, {"rock", "ellipsoid"},
            "joint fit: ellipsoid corrected as rocks are, or ellipsoid only");

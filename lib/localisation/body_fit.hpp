@@ -20,9 +20,10 @@ struct BodyFitOptions {
   bool assumed_noise = false;   // keep these sigmas; else they are scaled by what the residuals of the whole survey say
   double pose_sigma_m = -1.0;   // 1 sigma of a camera position; -1 = what the frames say
   double pose_sigma_deg = -1.0;   // the same for its rotation
+  double common_turn = 0.25;      // share of the rotations' sigma that all frames of an object have in common: a mount
   double loss_scale = 3.65;       // whitened norm of a box's four residuals at which it has half its weight (99 %)
   std::string shape = "rock";     // rock: ellipsoid corrected by harmonics as rocks have them; ellipsoid: none
-  double margin_sigmas = 2.0;     // the cylinder is this much wider and taller than the most likely one
+  double margin_sigmas = 1.5;     // the cylinder is this much wider and taller than the most likely one
   std::int64_t max_boxes = 400;   // of more, this many are used, evenly along the time
   std::int64_t min_boxes = 3;     // from different frames, two of them whole
   double min_parallax_deg = 2.0;  // largest angle between two of its rays
