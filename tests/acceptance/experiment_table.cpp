@@ -134,6 +134,8 @@ std::string pooled_tables(const std::vector<Json>& all, const std::string& grade
         }
       if (seeds > 0 && counts.tp + counts.fp > 0) text += row(std::string(mode) + ", " + stage, counts, published);
     }
+  std::erase_if(lines, [](const Json& line) { return line.at("modes").find("robust") == nullptr; });
+  if (lines.empty()) return text;
   text += "\n| centre error, m (robust) | 3-D median | 95 % | horizontal median | 95 % | vertical median | 95 % |\n";
   text += "|---|---|---|---|---|---|---|\n";
   for (const auto& [errors, label] : kBiases) text += centre_rows(lines, errors, label);
