@@ -1,21 +1,15 @@
 // A digitised basal contact, and what share of it was seen.
 #pragma once
 
-#include <cstdint>
+#include <cstddef>
 #include <vector>
 
 #include "geometry/primitives.hpp"
-#include "geometry/vec.hpp"
+#include "survey/contact.hpp"
 
 namespace cairn::fragility {
 
-struct ContactVertex {
-  std::int64_t pad = 0;                              // separate contact patches of one rock
-  std::int64_t order = 0;                            // along the patch's outline
-  geometry::Vec3 position = geometry::Vec3::Zero();  // m, the mesh's frame
-  bool observed = false;
-  bool closed = true;  // the patch's last vertex joins its first
-};
+using survey::ContactVertex;
 
 // Sorted by pad and order (stable).
 void sort_contact(std::vector<ContactVertex>& contact);

@@ -6,18 +6,13 @@
 #include <string>
 #include <vector>
 
-#include "geometry/vec.hpp"
+#include "survey/contact.hpp"
 
 namespace cairn::io {
 
 struct ContactRow {
   std::int64_t rock_id = 0;
-  std::int64_t pad_id = 0;
-  std::int64_t order = 0;
-  geometry::Vec3 position = geometry::Vec3::Zero();  // in the CRS the header names
-  bool observed = false;                             // status: observed or inferred
-  double sigma_m = 0.0;                              // >= 0; 0 where the cell is empty
-  bool closed = true;
+  survey::ContactVertex vertex;  // in the CRS the header names; sigma 0 where the cell is empty
 };
 
 struct ContactFile {
@@ -28,5 +23,8 @@ struct ContactFile {
 // Columns rock_id,pad_id,order,x,y,z,status,sigma_m,closed. Throws invalid_input with line and column for an unknown
 // status, a number that is not finite, a negative sigma, a repeated (rock, pad, order).
 [[nodiscard]] ContactFile read_contact_csv(const std::filesystem::path& path);
+
+// Written straight to `path`; reads back bit for bit. Throws resource_exhausted where a write fails.
+void write_contact_csv(const std::filesystem::path& path, const ContactFile& file);
 
 }  // namespace cairn::io

@@ -76,9 +76,12 @@ geometry::MassProperties mass_from_json(const Json& json) {
 }
 
 survey::CapModel cap_of(const std::string& name) {
-  for (const auto cap : {survey::CapModel::none, survey::CapModel::plane, survey::CapModel::wrap})
+  for (const auto cap :
+       {survey::CapModel::none, survey::CapModel::plane, survey::CapModel::patch, survey::CapModel::wrap})
     if (survey::name_of(cap) == name) return cap;
-  throw Error(ErrorCode::invalid_input, "unknown cap model").found("'" + name + "'").allowed("none, plane, wrap");
+  throw Error(ErrorCode::invalid_input, "unknown cap model")
+      .found("'" + name + "'")
+      .allowed("none, plane, patch, wrap");
 }
 
 }  // namespace

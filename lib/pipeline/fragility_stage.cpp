@@ -118,8 +118,7 @@ std::vector<Subject> subjects_of_folder(const fs::path& folder) {
 std::optional<base::Reject> take_contact(Subject& s, const io::ContactFile& file, bool single) {
   std::vector<fragility::ContactVertex> line;
   for (const auto& row : file.rows)
-    if (single || row.rock_id == s.rock.target.value)
-      line.push_back({row.pad_id, row.order, row.position, row.observed, row.closed});
+    if (single || row.rock_id == s.rock.target.value) line.push_back(row.vertex);
   if (line.empty()) return std::nullopt;
   fragility::sort_contact(line);
   const double margin = 0.1 * s.mesh->bounds().size().norm();

@@ -152,6 +152,7 @@ std::string_view cap_meaning(survey::CapModel cap) {
   switch (cap) {
     case survey::CapModel::none: return "not closed";
     case survey::CapModel::plane: return "closed by a plane at the ground";
+    case survey::CapModel::patch: return "closed by a smooth patch through the contact line";
     case survey::CapModel::wrap: return "closed by a wrapping surface";
   }
   return "";

@@ -29,8 +29,8 @@ constexpr Names<Grade, 4> kGrades{{{Grade::measured, "measured"},
                                    {Grade::bounded, "bounded"},
                                    {Grade::screening, "screening"},
                                    {Grade::not_measurable, "not_measurable"}}};
-constexpr Names<CapModel, 3> kCapModels{
-    {{CapModel::none, "none"}, {CapModel::plane, "plane"}, {CapModel::wrap, "wrap"}}};
+constexpr Names<CapModel, 4> kCapModels{
+    {{CapModel::none, "none"}, {CapModel::plane, "plane"}, {CapModel::patch, "patch"}, {CapModel::wrap, "wrap"}}};
 constexpr Names<ObstacleKind, 3> kObstacleKinds{
     {{ObstacleKind::obstacle, "obstacle"}, {ObstacleKind::ignored, "ignored"}, {ObstacleKind::vehicle, "vehicle"}}};
 constexpr Names<HeightType, 4> kHeightTypes{{{HeightType::ellipsoidal, "ellipsoidal"},

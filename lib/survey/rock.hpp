@@ -22,7 +22,8 @@ enum class Grade { measured, bounded, screening, not_measurable };
 [[nodiscard]] std::optional<Grade> grade_from(std::string_view name);
 
 // How the unseen base was closed. Declared with every volume.
-enum class CapModel { none, plane, wrap };
+// plane: the plane of the ground; patch: a smooth patch through the contact line; wrap: a wrapping surface.
+enum class CapModel { none, plane, patch, wrap };
 [[nodiscard]] std::string_view name_of(CapModel cap);
 
 // One edge of the support polygon (fragility.md section 7.3).

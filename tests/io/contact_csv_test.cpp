@@ -36,13 +36,20 @@ TEST_F(ContactCsv, RowsAndFrame) {
   EXPECT_EQ(file.crs, "local");
   ASSERT_EQ(file.rows.size(), 2U);
   EXPECT_EQ(file.rows[0].rock_id, 4);
-  EXPECT_EQ(file.rows[0].position, geometry::Vec3(1.5, -2, 0.25));
-  EXPECT_TRUE(file.rows[0].observed);
-  EXPECT_TRUE(file.rows[0].closed);
-  EXPECT_EQ(file.rows[0].sigma_m, 0.01);
-  EXPECT_FALSE(file.rows[1].observed);
-  EXPECT_FALSE(file.rows[1].closed);
+  EXPECT_EQ(file.rows[0].vertex.position, geometry::Vec3(1.5, -2, 0.25));
+  EXPECT_TRUE(file.rows[0].vertex.observed);
+  EXPECT_TRUE(file.rows[0].vertex.closed);
+  EXPECT_EQ(file.rows[0].vertex.sigma_m, 0.01);
+  EXPECT_FALSE(file.rows[1].vertex.observed);
+  EXPECT_FALSE(file.rows[1].vertex.closed);
   EXPECT_EQ(read(kHeader).crs, "");
+}
+
+TEST_F(ContactCsv, WritesWhatItReads) {
+  const std::string row = "4,1,2,0.1,-2,1e-09,inferred,0.015,0\n";
+  const auto file = read(std::string("# crs: EPSG:32612\n") + kHeader + row);
+  write_contact_csv(folder_ / "again.csv", file);
+  EXPECT_EQ(base::read_file(folder_ / "again.csv"), std::string("# crs: EPSG:32612\n") + kHeader + row);
 }
 
 TEST_F(ContactCsv, RefusesWithLineAndColumn) {
