@@ -146,8 +146,17 @@ std::vector<simulation::View> rings_of_views(const RockScan& scan, const simulat
   return views;
 }
 
-// Shrubs of knee height just outside the rim over a sector of it, on the pedestal or before it.
-void add_brush(simulation::Scene& scene, const RockScan& scan, base::Random& random) {
+// Top of the pedestal or of the ground at a place of the plan.
+double foothold(const RockScan& scan, const simulation::Ground& ground, const Vec2& place) {
+  constexpr double kNear = 0.04;  // m, of the pedestal's vertices
+  double up = ground.height(place).value_or(0.0);
+  for (const Vec3& v : scan.pedestal.vertices)
+    if ((v.head<2>() - place).norm() < kNear) up = std::max(up, v.z());
+  return up;
+}
+
+// Shrubs just outside the rim over a sector of it, on the pedestal or before it, that reach above the contact.
+void add_brush(simulation::Scene& scene, const RockScan& scan, const simulation::Ground& ground, base::Random& random) {
   const auto& rim = scan.rim.front();
   const double first = random.uniform(0.0, kTurn);
   const int count = 2 + static_cast<int>(random.below(3));
@@ -162,10 +171,12 @@ void add_brush(simulation::Scene& scene, const RockScan& scan, base::Random& ran
     shrub.object_class = "shrub";
     shrub.shape.kind = ShapeKind::tree;
     shrub.shape.family = "bush";
-    shrub.shape.size_m = Vec3(2.0 * radius, 2.0 * radius, random.uniform(0.25, 0.5));
+    const Vec2 place = rim[k].head<2>() + (radius + random.uniform(0.0, 0.06)) * out.head<2>();
+    const double foot = foothold(scan, ground, place) - 0.05;
+    shrub.shape.size_m = Vec3(2.0 * radius, 2.0 * radius, rim[k].z() - foot + random.uniform(0.12, 0.35));
     shrub.shape.edge_m = 0.02;
-    shrub.position = Vec2(rim[k].head<2>() + (radius + random.uniform(0.0, 0.06)) * out.head<2>());
-    shrub.up_m = rim[k].z() - 0.1;
+    shrub.position = place;
+    shrub.up_m = foot;
     shrub.seed = random.bits();
     scene.objects.push_back(shrub);
   }
@@ -357,12 +368,12 @@ RockScan make_rock_scan(std::uint64_t seed, const RockScanOptions& options) {
   auto placed = simulation::place_objects(scene, ground);
   take_truth(scan, placed.front());
   if (scan.hiding == Hiding::brush) {
-    add_brush(scene, scan, random);
+    add_brush(scene, scan, ground, random);
     placed = simulation::place_objects(scene, ground);
   }
   std::vector<simulation::View> views;
   if (scan.hiding != Hiding::absent) {
-    const double from = random.uniform(0.0, kTurn), width = base::deg_to_rad(random.uniform(90.0, 160.0));
+    const double from = random.uniform(0.0, kTurn), width = base::deg_to_rad(random.uniform(130.0, 220.0));
     views = rings_of_views(scan, ground, random, from, scan.hiding == Hiding::sector ? width : 0.0);
   }
   sample(scan, rendered(scene, terrain, placed), views, options);
