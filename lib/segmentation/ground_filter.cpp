@@ -1,0 +1,229 @@
+#include "segmentation/ground_filter.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/number_text.hpp"
+#include "base/parallel.hpp"
+#include "segmentation/bare_earth.hpp"
+
+namespace cairn::segmentation {
+namespace {
+
+using geometry::Grid;
+using geometry::GridGeometry;
+using geometry::Vec2;
+using geometry::Vec3;
+
+constexpr double kMostCells = 4e8;
+constexpr std::size_t kPiece = 65536;  // points of one piece of parallel work
+constexpr std::size_t kBlock = 512;    // points whose cells are found before they are touched
+constexpr std::size_t kAhead = 12;     // cells fetched ahead: a grid is larger than the cache
+constexpr double kHighest = 1e30;      // m; what lies beyond is no height
+
+struct Extent {
+  Vec2 lo = Vec2::Constant(std::numeric_limits<double>::infinity());
+  Vec2 hi = Vec2::Constant(-std::numeric_limits<double>::infinity());
+  std::size_t points = 0;
+};
+
+bool usable(const Vec3& p) {
+  return std::abs(p.x()) < kHighest && std::abs(p.y()) < kHighest && std::abs(p.z()) < kHighest;
+}
+
+Extent extent_of(std::span<const Vec3> points) {
+  std::vector<Extent> pieces((points.size() + kPiece - 1) / kPiece);
+  base::parallel_for(points.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    Extent& e = pieces[begin / kPiece];
+    for (std::size_t i = begin; i < end; ++i) {
+      if (!usable(points[i])) continue;
+      e.lo = e.lo.cwiseMin(points[i].head<2>());
+      e.hi = e.hi.cwiseMax(points[i].head<2>());
+      ++e.points;
+    }
+  });
+  Extent all;
+  for (const Extent& e : pieces) {
+    all.lo = all.lo.cwiseMin(e.lo);
+    all.hi = all.hi.cwiseMax(e.hi);
+    all.points += e.points;
+  }
+  if (all.points == 0)
+    throw base::Error(base::ErrorCode::invalid_input, "the cloud has no finite point")
+        .hint("Check the cloud with `cairn info`.");
+  return all;
+}
+
+// Mean distance of neighbours in plan, were the points spread evenly over their box; rounded to two digits, so that a
+// few points more or less give the same grid.
+double cell_of(const Extent& e, const GroundFilterOptions& options) {
+  if (options.cell_m > 0.0) return options.cell_m;
+  const double area = std::max((e.hi - e.lo).prod(), 1e-6);
+  const double cell = options.cell_spacings * std::sqrt(area / static_cast<double>(e.points));
+  const double unit = std::pow(10.0, std::floor(std::log10(cell)) - 1.0);
+  return std::max(std::round(cell / unit) * unit, 0.005);
+}
+
+GridGeometry geometry_of(const Extent& e, double cell) {
+  const Vec2 size = e.hi - e.lo;
+  const double cells = (size.x() / cell + 1.0) * (size.y() / cell + 1.0);
+  if (!(cells <= kMostCells))
+    throw base::Error(base::ErrorCode::failed_precondition, "the cloud's extent needs too many cells")
+        .found(base::to_text(size.x()) + " x " + base::to_text(size.y()) + " m in cells of " + base::to_text(cell) +
+               " m")
+        .allowed("400 million cells")
+        .hint("Use larger cells, or remove stray points far from the survey.");
+  // Cells own their western and northern border: the easternmost and southernmost points need room.
+  const double nudge = 1e-6 * cell;
+  return geometry::covering_grid(e.lo - Vec2(0.0, nudge), e.hi + Vec2(nudge, 0.0), cell);
+}
+
+Grid<LowCell> low_cells(std::span<const Vec3> points, const GridGeometry& g) {
+  Grid<LowCell> grid(g, LowCell{});
+  LowCell* cells = grid.values.data();
+  std::array<std::uint32_t, kBlock + kAhead> index{};
+  constexpr std::uint32_t kNoCell = std::numeric_limits<std::uint32_t>::max();
+  const double per_cell = 1.0 / g.cell;
+  const auto last_column = static_cast<double>(g.columns - 1), last_row = static_cast<double>(g.rows - 1);
+  for (std::size_t begin = 0; begin < points.size(); begin += kBlock) {
+    const std::size_t n = std::min(kBlock, points.size() - begin);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec3& p = points[begin + i];
+      const double c = std::clamp((p.x() - g.west) * per_cell, 0.0, last_column);
+      const double r = std::clamp((g.north - p.y()) * per_cell, 0.0, last_row);
+      index[i] = usable(p) ? static_cast<std::uint32_t>(r) * static_cast<std::uint32_t>(g.columns) +
+                                 static_cast<std::uint32_t>(c)
+                           : kNoCell;
+    }
+    for (std::size_t i = 0; i < std::min(n, kAhead); ++i)
+      if (index[i] != kNoCell) __builtin_prefetch(cells + index[i], 1);
+    for (std::size_t i = 0; i < n; ++i) {
+      if (i + kAhead < n && index[i + kAhead] != kNoCell) __builtin_prefetch(cells + index[i + kAhead], 1);
+      if (index[i] == kNoCell) continue;
+      LowCell& cell = cells[index[i]];
+      const double z = points[begin + i].z();
+      cell.low = std::min(cell.low, static_cast<float>(z));
+      cell.sum += z;
+      ++cell.points;
+    }
+  }
+  return grid;
+}
+
+struct Level {
+  float height, tolerance;
+};
+
+// Bilinear place of p among cell centres: upper left cell and weights.
+struct Place {
+  std::size_t row, column;
+  float down, right;
+};
+Place place_of(const GridGeometry& g, double x, double y, double per_cell) {
+  const auto axis = [](double at, std::size_t count) {
+    const double inside = std::clamp(at, 0.0, static_cast<double>(count - 1));
+    const std::size_t lower = std::min(static_cast<std::size_t>(inside), count > 1 ? count - 2 : 0);
+    return std::pair(lower, static_cast<float>(inside - static_cast<double>(lower)));
+  };
+  const auto [row, down] = axis((g.north - y) * per_cell - 0.5, g.rows);
+  const auto [column, right] = axis((x - g.west) * per_cell - 0.5, g.columns);
+  return {row, column, down, right};
+}
+
+std::vector<PointClass> classify(std::span<const Vec3> points, const GroundSurface& surface) {
+  const GridGeometry& g = surface.height.geometry;
+  std::vector<Level> levels(g.cells());
+  for (std::size_t k = 0; k < levels.size(); ++k)
+    levels[k] = {surface.height.values[k], surface.tolerance.values[k]};
+  std::vector<PointClass> classes(points.size());
+  const double per_cell = 1.0 / g.cell;
+  const std::size_t below = g.rows > 1 ? g.columns : 0, right = g.columns > 1 ? 1 : 0;
+  base::parallel_for(points.size(), kPiece, [&](std::size_t begin, std::size_t end) {
+    std::array<Place, kBlock> places;
+    for (std::size_t from = begin; from < end; from += kBlock) {
+      const std::size_t n = std::min(kBlock, end - from);
+      for (std::size_t i = 0; i < n; ++i) {
+        const Vec3& p = points[from + i];
+        places[i] = usable(p) ? place_of(g, p.x(), p.y(), per_cell) : Place{0, 0, 0.0F, 0.0F};
+      }
+      const auto fetch = [&](std::size_t i) {
+        const Level* at = levels.data() + places[i].row * g.columns + places[i].column;
+        __builtin_prefetch(at);
+        __builtin_prefetch(at + below);
+      };
+      for (std::size_t i = 0; i < std::min(n, kAhead); ++i) fetch(i);
+      for (std::size_t i = 0; i < n; ++i) {
+        if (i + kAhead < n) fetch(i + kAhead);
+        const Vec3& p = points[from + i];
+        const Place& at = places[i];
+        const Level* a = levels.data() + at.row * g.columns + at.column;
+        const Level* b = a + below;
+        const auto mix = [&](float p00, float p01, float p10, float p11) {
+          const float top = p00 + at.right * (p01 - p00), bottom = p10 + at.right * (p11 - p10);
+          return top + at.down * (bottom - top);
+        };
+        const float up = mix(a->height, a[right].height, b->height, b[right].height);
+        const float tolerance = mix(a->tolerance, a[right].tolerance, b->tolerance, b[right].tolerance);
+        const float height = static_cast<float>(p.z()) - up;
+        PointClass kind = PointClass::ground;
+        if (height > tolerance) kind = PointClass::above;
+        if (height < -tolerance) kind = PointClass::below;
+        classes[from + i] = usable(p) ? kind : PointClass::unknown;
+      }
+    }
+  });
+  return classes;
+}
+
+}  // namespace
+
+void GroundFilterOptions::visit(base::OptionVisitor& visitor) {
+  visitor.real("cell-m", cell_m, 0.0, 100.0, "edge of a cell of the ground grid, m; 0: from the point spacing");
+  visitor.real("cell-spacings", cell_spacings, 0.25, 20.0, "edge of a cell in mean point spacings, where it is not given");
+  visitor.real("max-object-m", max_object_m, 0.0, 500.0, "widest object that is taken off the ground, m");
+  visitor.real("object-slope", object_slope, 0.0, 10.0,
+               "what an opening cuts off by more than this times its radius is an object");
+  visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: half a cell");
+  visitor.real("tolerance-slope", tolerance_slope, 0.0, 10.0, "added to the tolerance, times cell times slope");
+  visitor.real("roughness-factor", roughness_factor, 0.0, 20.0, "added to the tolerance, times the ground's roughness");
+}
+
+double GroundSurface::up(const Vec2& p) const {
+  const GridGeometry& g = height.geometry;
+  const Place at = place_of(g, p.x(), p.y(), 1.0 / g.cell);
+  const std::size_t k = at.row * g.columns + at.column;
+  const std::size_t below = g.rows > 1 ? g.columns : 0, right = g.columns > 1 ? 1 : 0;
+  const auto z = [this](std::size_t i) { return static_cast<double>(height.values[i]); };
+  const double top = z(k) + static_cast<double>(at.right) * (z(k + right) - z(k));
+  const double bottom = z(k + below) + static_cast<double>(at.right) * (z(k + below + right) - z(k + below));
+  return top + static_cast<double>(at.down) * (bottom - top);
+}
+
+double ground_cell(std::span<const Vec3> points, const GroundFilterOptions& options) {
+  return options.cell_m > 0.0 ? options.cell_m : cell_of(extent_of(points), options);
+}
+
+GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilterOptions& options,
+                                 base::RunContext& ctx) {
+  GroundFilterOptions checked = options;
+  base::validate(base::bind_options(checked), "ground");
+  const Extent extent = extent_of(points);
+  const GridGeometry geometry = geometry_of(extent, cell_of(extent, options));
+  ctx.check_memory(40 * static_cast<std::uint64_t>(geometry.cells()) + points.size(), "ground grid");
+  GroundFilterResult result;
+  result.surface = bare_earth(low_cells(points, geometry), options);
+  ctx.check_stop();
+  result.classes = classify(points, result.surface);
+  std::array<std::size_t, 4> counts{};
+  for (const PointClass c : result.classes) ++counts[static_cast<std::size_t>(c)];
+  result.not_finite = counts[0];
+  result.ground = counts[1];
+  result.above = counts[2];
+  result.below = counts[3];
+  return result;
+}
+
+}  // namespace cairn::segmentation
