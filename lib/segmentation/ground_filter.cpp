@@ -30,8 +30,9 @@ struct Extent {
   std::size_t points = 0;
 };
 
+// Finite, and of a size that floats hold.
 bool usable(const Vec3& p) {
-  return std::abs(p.x()) < kHighest && std::abs(p.y()) < kHighest && std::abs(p.z()) < kHighest;
+  return std::abs(p.x()) + std::abs(p.y()) + std::abs(p.z()) < kHighest;
 }
 
 Extent extent_of(std::span<const Vec3> points) {
@@ -119,59 +120,66 @@ struct Level {
 
 // Bilinear place of p among cell centres: upper left cell and weights.
 struct Place {
-  std::size_t row, column;
+  std::uint32_t cell;
   float down, right;
 };
-Place place_of(const GridGeometry& g, double x, double y, double per_cell) {
-  const auto axis = [](double at, std::size_t count) {
-    const double inside = std::clamp(at, 0.0, static_cast<double>(count - 1));
-    const std::size_t lower = std::min(static_cast<std::size_t>(inside), count > 1 ? count - 2 : 0);
-    return std::pair(lower, static_cast<float>(inside - static_cast<double>(lower)));
-  };
-  const auto [row, down] = axis((g.north - y) * per_cell - 0.5, g.rows);
-  const auto [column, right] = axis((x - g.west) * per_cell - 0.5, g.columns);
-  return {row, column, down, right};
+// at within 0 .. last (NaN: 0), as whole cells before the last and the rest.
+std::pair<std::uint32_t, float> axis_place(double at, double last, double most) {
+  at = at > 0.0 ? at : 0.0;
+  at = at < last ? at : last;
+  const double lower = at < most ? at : most;
+  const auto whole = static_cast<std::int32_t>(lower);
+  return {static_cast<std::uint32_t>(whole), static_cast<float>(at - whole)};
 }
+struct PlaceFinder {
+  explicit PlaceFinder(const GridGeometry& g)
+      : west(g.west), north(g.north), per_cell(1.0 / g.cell), last_row(static_cast<double>(g.rows) - 1.0),
+        last_column(static_cast<double>(g.columns) - 1.0), columns(static_cast<std::uint32_t>(g.columns)) {}
+  double west, north, per_cell, last_row, last_column;
+  std::uint32_t columns;
+
+  [[nodiscard]] Place operator()(double x, double y) const {
+    const auto [row, down] = axis_place((north - y) * per_cell - 0.5, last_row, std::max(last_row - 1.0, 0.0));
+    const auto [column, right] = axis_place((x - west) * per_cell - 0.5, last_column, std::max(last_column - 1.0, 0.0));
+    return {row * columns + column, down, right};
+  }
+};
 
 std::vector<PointClass> classify(std::span<const Vec3> points, const GroundSurface& surface) {
   const GridGeometry& g = surface.height.geometry;
   std::vector<Level> levels(g.cells());
-  for (std::size_t k = 0; k < levels.size(); ++k)
-    levels[k] = {surface.height.values[k], surface.tolerance.values[k]};
+  for (std::size_t k = 0; k < levels.size(); ++k) levels[k] = {surface.height.values[k], surface.tolerance.values[k]};
   std::vector<PointClass> classes(points.size());
-  const double per_cell = 1.0 / g.cell;
+  const PlaceFinder find(g);
   const std::size_t below = g.rows > 1 ? g.columns : 0, right = g.columns > 1 ? 1 : 0;
   base::parallel_for(points.size(), kPiece, [&](std::size_t begin, std::size_t end) {
-    std::array<Place, kBlock> places;
+    std::array<Place, kBlock + kAhead> places;
+    places.fill({0, 0.0F, 0.0F});
     for (std::size_t from = begin; from < end; from += kBlock) {
       const std::size_t n = std::min(kBlock, end - from);
-      for (std::size_t i = 0; i < n; ++i) {
-        const Vec3& p = points[from + i];
-        places[i] = usable(p) ? place_of(g, p.x(), p.y(), per_cell) : Place{0, 0, 0.0F, 0.0F};
-      }
+      const Vec3* block = points.data() + from;
+      for (std::size_t i = 0; i < n; ++i) places[i] = find(block[i].x(), block[i].y());
       const auto fetch = [&](std::size_t i) {
-        const Level* at = levels.data() + places[i].row * g.columns + places[i].column;
+        const Level* at = levels.data() + places[i].cell;
         __builtin_prefetch(at);
         __builtin_prefetch(at + below);
       };
-      for (std::size_t i = 0; i < std::min(n, kAhead); ++i) fetch(i);
+      for (std::size_t i = 0; i < kAhead; ++i) fetch(i);
       for (std::size_t i = 0; i < n; ++i) {
-        if (i + kAhead < n) fetch(i + kAhead);
-        const Vec3& p = points[from + i];
+        fetch(i + kAhead);
         const Place& at = places[i];
-        const Level* a = levels.data() + at.row * g.columns + at.column;
+        const Level* a = levels.data() + at.cell;
         const Level* b = a + below;
-        const auto mix = [&](float p00, float p01, float p10, float p11) {
+        const auto mix = [&at](float p00, float p01, float p10, float p11) {
           const float top = p00 + at.right * (p01 - p00), bottom = p10 + at.right * (p11 - p10);
           return top + at.down * (bottom - top);
         };
         const float up = mix(a->height, a[right].height, b->height, b[right].height);
         const float tolerance = mix(a->tolerance, a[right].tolerance, b->tolerance, b[right].tolerance);
-        const float height = static_cast<float>(p.z()) - up;
-        PointClass kind = PointClass::ground;
-        if (height > tolerance) kind = PointClass::above;
-        if (height < -tolerance) kind = PointClass::below;
-        classes[from + i] = usable(p) ? kind : PointClass::unknown;
+        const float height = static_cast<float>(block[i].z()) - up;
+        // Without branches: ground 1, above 2, below 3, unknown 0.
+        const int kind = 1 + (height > tolerance ? 1 : 0) + (height < -tolerance ? 2 : 0);
+        classes[from + i] = static_cast<PointClass>(usable(block[i]) ? kind : 0);
       }
     }
   });
@@ -186,6 +194,9 @@ void GroundFilterOptions::visit(base::OptionVisitor& visitor) {
   visitor.real("max-object-m", max_object_m, 0.0, 500.0, "widest object that is taken off the ground, m");
   visitor.real("object-slope", object_slope, 0.0, 10.0,
                "what an opening cuts off by more than this times its radius is an object");
+  visitor.real("crease-slope", crease_slope, 0.0, 100.0, "a border where the slope grows by this is a crease");
+  visitor.real("crease-share", crease_share, 0.0, 1.0, "objects with fewer creases along their border are ground");
+  visitor.real("tolerance-cells", tolerance_cells, 0.0, 10.0, "tolerance on level ground in cells, where it is not given");
   visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: half a cell");
   visitor.real("tolerance-slope", tolerance_slope, 0.0, 10.0, "added to the tolerance, times cell times slope");
   visitor.real("roughness-factor", roughness_factor, 0.0, 20.0, "added to the tolerance, times the ground's roughness");
@@ -193,12 +204,11 @@ void GroundFilterOptions::visit(base::OptionVisitor& visitor) {
 
 double GroundSurface::up(const Vec2& p) const {
   const GridGeometry& g = height.geometry;
-  const Place at = place_of(g, p.x(), p.y(), 1.0 / g.cell);
-  const std::size_t k = at.row * g.columns + at.column;
+  const Place at = PlaceFinder(g)(p.x(), p.y());
   const std::size_t below = g.rows > 1 ? g.columns : 0, right = g.columns > 1 ? 1 : 0;
-  const auto z = [this](std::size_t i) { return static_cast<double>(height.values[i]); };
-  const double top = z(k) + static_cast<double>(at.right) * (z(k + right) - z(k));
-  const double bottom = z(k + below) + static_cast<double>(at.right) * (z(k + below + right) - z(k + below));
+  const auto z = [&](std::size_t i) { return static_cast<double>(height.values[at.cell + i]); };
+  const double top = z(0) + static_cast<double>(at.right) * (z(right) - z(0));
+  const double bottom = z(below) + static_cast<double>(at.right) * (z(below + right) - z(below));
   return top + static_cast<double>(at.down) * (bottom - top);
 }
 
@@ -217,12 +227,13 @@ GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilte
   result.surface = bare_earth(low_cells(points, geometry), options);
   ctx.check_stop();
   result.classes = classify(points, result.surface);
-  std::array<std::size_t, 4> counts{};
-  for (const PointClass c : result.classes) ++counts[static_cast<std::size_t>(c)];
-  result.not_finite = counts[0];
-  result.ground = counts[1];
-  result.above = counts[2];
-  result.below = counts[3];
+  const auto count = [&](PointClass c) {
+    return static_cast<std::size_t>(std::count(result.classes.begin(), result.classes.end(), c));
+  };
+  result.not_finite = count(PointClass::unknown);
+  result.above = count(PointClass::above);
+  result.below = count(PointClass::below);
+  result.ground = points.size() - result.not_finite - result.above - result.below;
   return result;
 }
 

@@ -18,6 +18,9 @@ struct GroundFilterOptions {
   double cell_spacings = 2.0;      // only where cell_m is 0
   double max_object_m = 6.0;       // objects up to this width are taken off the ground
   double object_slope = 0.15;      // what an opening of radius r cuts off by more than this times r is an object
+  double crease_slope = 0.5;       // a border where the slope grows by this and more is a crease
+  double crease_share = 0.0;       // objects with a smaller share of creases along their border are ground
+  double tolerance_cells = 0.1;    // the tolerance below where it is 0
   double tolerance_m = 0.0;        // height above the ground that is still ground, on level ground; 0: half a cell
   double tolerance_slope = 1.25;   // added to it: times cell times slope
   double roughness_factor = 3.0;   // added to it: times the ground's own roughness
