@@ -395,7 +395,7 @@ Outcome surface_rocks(const geometry::PointCloud& labelled, const RockClasses& c
   return outcome;
 }
 
-fs::path contact_beside(const SurfaceFiles& in) {
+fs::path contact_file(const SurfaceFiles& in) {
   if (!in.contact.empty()) return in.contact;
   const auto beside = fs::path(in.labelled).replace_extension(".contact.csv");
   return fs::exists(beside) ? beside : fs::path();
@@ -408,7 +408,7 @@ Outcome surface_file(const SurfaceFiles& in, const fs::path& folder, const Surfa
   require_metres(file, in.labelled);
   const std::string frame = file.facts.crs.empty() ? "coordinates of the cloud [m], z up"
                                                    : geodesy::describe_crs(file.facts.crs).name + " [m], z up";
-  const auto lines = contact_beside(in);
+  const auto lines = contact_file(in);
   const auto contacts = lines.empty() ? RockContacts{} : read_contacts(lines, file.facts.crs);
   try {
     return surface_rocks(file.cloud, {}, contacts, frame, folder, options, ctx);

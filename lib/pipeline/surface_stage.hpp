@@ -42,7 +42,7 @@ using RockContacts = std::map<std::int64_t, survey::Contact>;
 struct SurfaceFiles {
   std::filesystem::path labelled, contact;
 };
-[[nodiscard]] std::filesystem::path contact_beside(const SurfaceFiles& in);  // the file that counts, or ""
+[[nodiscard]] std::filesystem::path contact_file(const SurfaceFiles& in);  // the file that counts, or ""
 [[nodiscard]] Outcome surface_file(const SurfaceFiles& in, const std::filesystem::path& folder,
                                    const SurfaceOptions& options, base::RunContext& ctx);
 
