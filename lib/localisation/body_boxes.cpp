@@ -1,5 +1,6 @@
 #include "localisation/body_work.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
 
