@@ -63,7 +63,8 @@ Extent extent_of(std::span<const Vec3> points) {
 double cell_of(const Extent& e, const GroundFilterOptions& options) {
   if (options.cell_m > 0.0) return options.cell_m;
   const double area = std::max((e.hi - e.lo).prod(), 1e-6);
-  const double cell = options.cell_spacings * std::sqrt(area / static_cast<double>(e.points));
+  const double spacing = std::sqrt(area / static_cast<double>(e.points));
+  const double cell = std::max(options.cell_spacings * spacing, options.max_object_m / options.object_cells);
   const double unit = std::pow(10.0, std::floor(std::log10(cell)) - 1.0);
   return std::max(std::round(cell / unit) * unit, 0.005);
 }
@@ -133,8 +134,12 @@ std::pair<std::uint32_t, float> axis_place(double at, double last, double most) 
 }
 struct PlaceFinder {
   explicit PlaceFinder(const GridGeometry& g)
-      : west(g.west), north(g.north), per_cell(1.0 / g.cell), last_row(static_cast<double>(g.rows) - 1.0),
-        last_column(static_cast<double>(g.columns) - 1.0), columns(static_cast<std::uint32_t>(g.columns)) {}
+      : west(g.west),
+        north(g.north),
+        per_cell(1.0 / g.cell),
+        last_row(static_cast<double>(g.rows) - 1.0),
+        last_column(static_cast<double>(g.columns) - 1.0),
+        columns(static_cast<std::uint32_t>(g.columns)) {}
   double west, north, per_cell, last_row, last_column;
   std::uint32_t columns;
 
@@ -189,15 +194,14 @@ std::vector<PointClass> classify(std::span<const Vec3> points, const GroundSurfa
 }  // namespace
 
 void GroundFilterOptions::visit(base::OptionVisitor& visitor) {
-  visitor.real("cell-m", cell_m, 0.0, 100.0, "edge of a cell of the ground grid, m; 0: from the point spacing");
-  visitor.real("cell-spacings", cell_spacings, 0.25, 20.0, "edge of a cell in mean point spacings, where it is not given");
   visitor.real("max-object-m", max_object_m, 0.0, 500.0, "widest object that is taken off the ground, m");
+  visitor.real("ground-cell-m", cell_m, 0.0, 100.0, "edge of a cell of the ground grid, m; 0: from the next two");
+  visitor.real("object-cells", object_cells, 1.0, 1000.0, "cells across the widest object");
+  visitor.real("cell-spacings", cell_spacings, 0.25, 20.0, "edge of a cell in mean point spacings, at least");
   visitor.real("object-slope", object_slope, 0.0, 10.0,
                "what an opening cuts off by more than this times its radius is an object");
-  visitor.real("crease-slope", crease_slope, 0.0, 100.0, "a border where the slope grows by this is a crease");
-  visitor.real("crease-share", crease_share, 0.0, 1.0, "objects with fewer creases along their border are ground");
-  visitor.real("tolerance-cells", tolerance_cells, 0.0, 10.0, "tolerance on level ground in cells, where it is not given");
-  visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: half a cell");
+  visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: in cells");
+  visitor.real("tolerance-cells", tolerance_cells, 0.0, 10.0, "the same in cells");
   visitor.real("tolerance-slope", tolerance_slope, 0.0, 10.0, "added to the tolerance, times cell times slope");
   visitor.real("roughness-factor", roughness_factor, 0.0, 20.0, "added to the tolerance, times the ground's roughness");
 }
