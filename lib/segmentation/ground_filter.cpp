@@ -19,6 +19,7 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 constexpr double kMostCells = 4e8;
+constexpr double kLeastCell = 0.005;   // m
 constexpr std::size_t kPiece = 65536;  // points of one piece of parallel work
 constexpr std::size_t kBlock = 512;    // points whose cells are found before they are touched
 constexpr std::size_t kAhead = 12;     // cells fetched ahead: a grid is larger than the cache
@@ -56,31 +57,6 @@ Extent extent_of(std::span<const Vec3> points) {
     throw base::Error(base::ErrorCode::invalid_input, "the cloud has no finite point")
         .hint("Check the cloud with `cairn info`.");
   return all;
-}
-
-// Mean distance of neighbours in plan, were the points spread evenly over their box; rounded to two digits, so that a
-// few points more or less give the same grid.
-double cell_of(const Extent& e, const GroundFilterOptions& options) {
-  if (options.cell_m > 0.0) return options.cell_m;
-  const double area = std::max((e.hi - e.lo).prod(), 1e-6);
-  const double spacing = std::sqrt(area / static_cast<double>(e.points));
-  const double cell = std::max(options.cell_spacings * spacing, options.max_object_m / options.object_cells);
-  const double unit = std::pow(10.0, std::floor(std::log10(cell)) - 1.0);
-  return std::max(std::round(cell / unit) * unit, 0.005);
-}
-
-GridGeometry geometry_of(const Extent& e, double cell) {
-  const Vec2 size = e.hi - e.lo;
-  const double cells = (size.x() / cell + 1.0) * (size.y() / cell + 1.0);
-  if (!(cells <= kMostCells))
-    throw base::Error(base::ErrorCode::failed_precondition, "the cloud's extent needs too many cells")
-        .found(base::to_text(size.x()) + " x " + base::to_text(size.y()) + " m in cells of " + base::to_text(cell) +
-               " m")
-        .allowed("400 million cells")
-        .hint("Use larger cells, or remove stray points far from the survey.");
-  // Cells own their western and northern border: the easternmost and southernmost points need room.
-  const double nudge = 1e-6 * cell;
-  return geometry::covering_grid(e.lo - Vec2(0.0, nudge), e.hi + Vec2(nudge, 0.0), cell);
 }
 
 Grid<LowCell> low_cells(std::span<const Vec3> points, const GridGeometry& g) {
@@ -216,8 +192,27 @@ double GroundSurface::up(const Vec2& p) const {
   return top + static_cast<double>(at.down) * (bottom - top);
 }
 
-double ground_cell(std::span<const Vec3> points, const GroundFilterOptions& options) {
-  return options.cell_m > 0.0 ? options.cell_m : cell_of(extent_of(points), options);
+GridGeometry ground_grid(const Vec2& low, const Vec2& high, std::uint64_t count, const GroundFilterOptions& options) {
+  const Vec2 size = high - low;
+  double cell = options.cell_m;
+  if (!(cell > 0.0)) {
+    // Mean distance of neighbours in plan, were the points spread evenly over their box.
+    const double spacing = std::sqrt(size.prod() / static_cast<double>(std::max<std::uint64_t>(count, 1)));
+    cell = std::max(options.cell_spacings * spacing, options.max_object_m / options.object_cells);
+    // Two digits, so that a few points more or less give the same grid.
+    const double unit = std::pow(10.0, std::floor(std::log10(std::max(cell, kLeastCell))) - 1.0);
+    cell = std::max(std::round(cell / unit) * unit, kLeastCell);
+  }
+  const double cells = (size.x() / cell + 1.0) * (size.y() / cell + 1.0);
+  if (!(cells <= kMostCells))
+    throw base::Error(base::ErrorCode::failed_precondition, "the cloud's extent needs too many cells")
+        .found(base::to_text(size.x()) + " x " + base::to_text(size.y()) + " m in cells of " + base::to_text(cell) +
+               " m")
+        .allowed("400 million cells")
+        .hint("Use larger cells, or remove stray points far from the survey.");
+  // Cells own their western and northern border: the easternmost and southernmost points need room.
+  const double nudge = 1e-6 * cell;
+  return geometry::covering_grid(low - Vec2(0.0, nudge), high + Vec2(nudge, 0.0), cell);
 }
 
 GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilterOptions& options,
@@ -225,7 +220,13 @@ GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilte
   GroundFilterOptions checked = options;
   base::validate(base::bind_options(checked), "ground");
   const Extent extent = extent_of(points);
-  const GridGeometry geometry = geometry_of(extent, cell_of(extent, options));
+  return filter_ground(points, ground_grid(extent.lo, extent.hi, extent.points, options), options, ctx);
+}
+
+GroundFilterResult filter_ground(std::span<const Vec3> points, const GridGeometry& geometry,
+                                 const GroundFilterOptions& options, base::RunContext& ctx) {
+  GroundFilterOptions checked = options;
+  base::validate(base::bind_options(checked), "ground");
   ctx.check_memory(40 * static_cast<std::uint64_t>(geometry.cells()) + points.size(), "ground grid");
   GroundFilterResult result;
   result.surface = bare_earth(low_cells(points, geometry), options);

@@ -46,8 +46,10 @@ struct GroundFilterResult {
   std::size_t ground = 0, above = 0, below = 0, not_finite = 0;
 };
 
-// Cell that `options` give for these points, m (cell_m itself where it is not 0). Tiles of one cloud must share it.
-[[nodiscard]] double ground_cell(std::span<const geometry::Vec3> points, const GroundFilterOptions& options);
+// Grid that `options` give for points of this number between these corners (m, plan); every part of a cloud that is
+// filtered by itself must stand on it. Throws failed_precondition where it would pass 400 M cells.
+[[nodiscard]] geometry::GridGeometry ground_grid(const geometry::Vec2& low, const geometry::Vec2& high,
+                                                 std::uint64_t count, const GroundFilterOptions& options);
 
 // points: local ENU, m; any order, any density.
 //   1. lowest point and mean of each cell; lone pits are dropped, empty cells filled (push-pull);
@@ -58,10 +60,15 @@ struct GroundFilterResult {
 //      + roughness_factor roughness (SMRF's, with roughness from second differences of ground cells);
 //   4. each point against the bilinear surface.
 // All lengths without unit options scale with the cell, so that one set serves a boulder field at 3 cm spacing and an
-// airborne survey at 2 m. Grid aligned to multiples of the cell: tiles that overlap by max_object_m agree inside.
+// airborne survey at 2 m. Grid aligned to multiples of the cell.
 // Throws invalid_input where no point is finite, failed_precondition where the grid would pass 400 M cells.
 // Cost linear in points and cells; 1 byte a point and about 40 bytes a cell.
 [[nodiscard]] GroundFilterResult filter_ground(std::span<const geometry::Vec3> points,
                                                const GroundFilterOptions& options, base::RunContext& ctx);
+
+// The same on a grid that is given: a part of a larger cloud. Points outside take part at the nearest border cell.
+[[nodiscard]] GroundFilterResult filter_ground(std::span<const geometry::Vec3> points,
+                                               const geometry::GridGeometry& grid, const GroundFilterOptions& options,
+                                               base::RunContext& ctx);
 
 }  // namespace cairn::segmentation
