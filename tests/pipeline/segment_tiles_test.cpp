@@ -6,7 +6,10 @@
 #include <map>
 
 #include "base/error.hpp"
+#include "io/las.hpp"
+#include "pipeline/segment_las.hpp"
 #include "support/boulder_field.hpp"
+#include "support/data.hpp"
 
 namespace cairn::pipeline {
 namespace {
@@ -81,6 +84,38 @@ TEST(SegmentTiles, RejectedObjectsKeepTheirReasonAndNoPoint) {
   }
   EXPECT_GT(accepted, 2U);
   EXPECT_GT(rejected, 0U);
+}
+
+TEST(SegmentTiles, LasFilesInPieces) {
+  const auto field = testing::boulder_field(25, 150'000, 30.0, 20);
+  const testing::TempFolder folder;
+  geometry::PointCloud cloud;
+  cloud.positions = field.points;
+  cloud.intensity.assign(cloud.size(), 7);
+  io::write_las(folder.path() / "in.las", cloud);
+  SegmentTilesOptions options;
+  options.tile_m = 12.0;
+  base::RunContext ctx;
+  const auto shift = [](std::vector<Vec3>& points) {
+    for (Vec3& p : points) p += Vec3(1000.0, -500.0, 20.0);
+  };
+  const auto result =
+      segment_las_by_tiles(folder.path() / "in.las", folder.path() / "out.las", options, label_as_rock, shift, ctx);
+  EXPECT_GT(result.objects.size(), 14U);
+  const auto out = io::read_las(folder.path() / "out.las").cloud;
+  ASSERT_EQ(out.size(), cloud.size());
+  EXPECT_EQ(out.intensity, cloud.intensity);
+  const auto& label = out.scalar("label")->values;
+  const auto& target = out.scalar("target_id")->values;
+  const auto& probability = out.scalar("probability")->values;
+  std::vector<double> expected(cloud.size(), segmentation::kNoTarget);
+  for (const auto& object : result.objects)
+    for (const std::uint64_t i : object.points) expected[i] = object.target_id;
+  EXPECT_EQ(target, expected);
+  for (std::size_t i = 0; i < label.size(); ++i) {
+    EXPECT_EQ(label[i], static_cast<double>(result.labels[i]));
+    EXPECT_EQ(probability[i], label[i] == 0.0 ? 0.0 : 1.0);
+  }
 }
 
 TEST(SegmentTiles, BadInput) {
