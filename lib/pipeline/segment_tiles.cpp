@@ -23,9 +23,10 @@ using segmentation::PointClass;
 
 constexpr std::uint64_t kPiece = 65536;       // points read at once
 constexpr std::size_t kBlock = 64;            // cells: interpolation pyramids of tiles and whole agree on it
-constexpr double kBufferObjects = 3.0;        // widest objects: reach of openings and interpolation
+constexpr double kBufferObjects = 4.0;        // widest objects: reach of openings and interpolation
 constexpr std::uint64_t kBytesPerPoint = 64;  // of a tile at work: position, class, index, patches
 constexpr std::uint64_t kBytesPerCell = 60;   // of its grids
+constexpr double kDefaultBudget = 4.0 * 1024 * 1024 * 1024;  // bytes, without a limit
 constexpr std::uint64_t kMostTilePoints = 4'000'000'000ULL;  // indices of 32 bits
 
 struct PieceBox {
@@ -93,7 +94,7 @@ std::size_t tile_edge(const GridGeometry& g, std::uint64_t points, std::size_t b
   const double bytes_per_cell =
       2.0 * per_cell * static_cast<double>(kBytesPerPoint) + static_cast<double>(kBytesPerCell);
   const std::uint64_t kept = base::resident_bytes() + 2 * points;
-  double budget = std::numeric_limits<double>::infinity();
+  double budget = kDefaultBudget;
   if (ctx.memory_limit_bytes > 0)
     budget = ctx.memory_limit_bytes > kept ? static_cast<double>(ctx.memory_limit_bytes - kept) : 0.0;
   const auto bytes = [&](std::size_t edge) {

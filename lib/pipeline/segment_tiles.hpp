@@ -72,14 +72,14 @@ struct TiledSegments {
 };
 
 // The ground grid of the whole cloud is cut into tiles of whole blocks of 64 cells. Each is filtered with a buffer of
-// at least three times max_object_m, on the grid of the whole, so that heights inside are those of the whole; an object
+// at least four times max_object_m, on the grid of the whole, so that heights inside are those of the whole; an object
 // belongs to the tile its circle's centre lies in. Objects wider than the buffer may differ from tile to tile.
 // Where an object is labelled by two patches, rock wins over what is not, then the earlier object.
-// Memory: 1 byte a point, 30 bytes a labelled point, 64 bytes a point of the largest buffered tile.
-// ctx.memory_limit_bytes bounds the tile where tile_m is 0 (default 500 m points a tile otherwise never needed: one
-// tile). Throws resource_exhausted where even a tile of one block does not fit. Cost: reading, once for the extent, and
-// for each tile those pieces of 65 536 points whose box meets it (linear where the file is in some spatial order, as
-// surveys are; tiles times points where it is shuffled).
+// Memory: 1 byte a point, 30 bytes a labelled point, 64 bytes a point of the largest buffered tile. Where tile_m is 0
+// the tile is as large as ctx.memory_limit_bytes allows (no limit: 4 GiB). Throws resource_exhausted where even a tile
+// of one block does not fit, invalid_input where no point is finite. Cost: reading, once for the extent, and for each
+// tile those pieces of 65 536 points whose box meets it (linear where the file is in some spatial order, as surveys
+// are; tiles times points where it is shuffled).
 [[nodiscard]] TiledSegments segment_tiles(const PointSource& source, const SegmentTilesOptions& options,
                                           const LabelObject& label, base::RunContext& ctx);
 
