@@ -75,6 +75,28 @@ std::vector<std::byte> descriptor(const LasAddition& a) {
   return bytes;
 }
 
+// Where the described part of a point record ends: standard fields and every descriptor, of known or unknown use.
+std::size_t described_end(const std::vector<std::byte>& old, int point_format) {
+  std::size_t end = las::kLayouts[static_cast<std::size_t>(point_format)].length;
+  std::size_t at = load<std::uint16_t>(old, kHeaderSizeAt);
+  for (auto left = load<std::uint32_t>(old, kRecordsAt); left > 0; --left) {
+    const std::size_t length = load<std::uint16_t>(old, at + 20);
+    const std::string_view user(reinterpret_cast<const char*>(old.data() + at + 2), las::kSpecUser.size());
+    if (user == las::kSpecUser && load<std::uint16_t>(old, at + 18) == las::kExtraBytesRecord)
+      for (std::size_t d = 0; (d + 1) * las::kExtraBytesDescriptor <= length; ++d) {
+        const std::byte* from = old.data() + at + kRecordHeader + d * las::kExtraBytesDescriptor;
+        const auto code = std::to_integer<std::size_t>(from[2]);
+        if (code > 30)
+          throw Error(ErrorCode::failed_precondition, "an extra dimension has an unknown type")
+              .found(std::to_string(code));
+        end += code == 0 ? std::to_integer<std::size_t>(from[3])
+                         : las::size_of(las::kExtraTypes[(code - 1) % 10]) * ((code - 1) / 10 + 1);
+      }
+    at += kRecordHeader + length;
+  }
+  return end;
+}
+
 // Header and short records with `added` descriptors more; lengths and offsets are still to be set.
 struct Front {
   std::vector<std::byte> bytes;
@@ -132,6 +154,14 @@ void append_las_dimensions(const std::filesystem::path& from, const std::filesys
   std::vector<std::size_t> places;
   std::vector<std::byte> added;
   std::size_t stride = header.record_length;
+  // Bytes that nothing describes get a descriptor, so that what follows is found.
+  std::size_t bare = stride - std::min(stride, described_end(old, header.metadata.point_format));
+  for (; bare > 0; bare -= std::min<std::size_t>(bare, 255)) {
+    auto filler = descriptor({"undocumented", ScalarType::u8, ""});
+    filler[2] = std::byte{0};
+    filler[3] = static_cast<std::byte>(std::min<std::size_t>(bare, 255));
+    added.insert(added.end(), filler.begin(), filler.end());
+  }
   for (const LasAddition& a : additions) {
     const auto& known = header.metadata.dimensions;
     const auto same = std::ranges::find_if(known, [&](const LasDimension& d) { return d.name == a.name; });

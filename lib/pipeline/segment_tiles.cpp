@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/memory.hpp"
@@ -202,16 +203,19 @@ TileOutcome segment_tile(const TilePoints& points, const Tile& tile, const GridG
 }
 
 // Order and ids, and which object has which point.
-void settle(TiledSegments& result) {
-  std::sort(result.objects.begin(), result.objects.end(), [](const TiledObject& a, const TiledObject& b) {
-    const Vec2 &p = a.candidate.centre, &q = b.candidate.centre;
-    return p.y() != q.y() ? p.y() > q.y() : p.x() < q.x();
-  });
-  std::uint32_t next = 0;
+void settle(TiledSegments& result, const GridGeometry& grid) {
+  // In whole cells of the cloud's grid: tiles give the same cell coordinates that differ in their last bit.
+  const auto place = [&](const TiledObject& object) {
+    const Vec2& p = object.candidate.anchor;
+    return std::pair(std::llround((grid.north - p.y()) / grid.cell - 0.5),
+                     std::llround((p.x() - grid.west) / grid.cell - 0.5));
+  };
+  std::sort(result.objects.begin(), result.objects.end(),
+            [&](const TiledObject& a, const TiledObject& b) { return place(a) < place(b); });
+  std::uint32_t next = 1;
+  for (TiledObject& object : result.objects) object.target_id = next++;
   for (const bool rocks : {true, false})
     for (TiledObject& object : result.objects) {
-      if (!object.reason.empty()) continue;
-      if (rocks) object.target_id = next++;
       for (std::size_t i = 0; i < object.points.size(); ++i) {
         Label& there = result.labels[object.points[i]];
         const bool rock = object.labels[i] == Label::rock;
@@ -301,7 +305,7 @@ TiledSegments segment_tiles(const PointSource& source, const SegmentTilesOptions
     std::move(outcome.objects.begin(), outcome.objects.end(), std::back_inserter(result.objects));
   }
   ctx.progress("tiles", tiles.size(), tiles.size());
-  settle(result);
+  settle(result, grid);
   return result;
 }
 

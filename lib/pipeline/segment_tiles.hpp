@@ -56,7 +56,7 @@ using LabelObject = std::function<ObjectLabels(const ObjectPatch&)>;
 struct TiledObject {
   segmentation::Candidate candidate;                  // without points; they stand below
   std::string reason, message;                        // "" = accepted
-  std::uint32_t target_id = segmentation::kNoTarget;  // 0, 1, ... of the accepted ones, in order
+  std::uint32_t target_id = segmentation::kNoTarget;  // 1, 2, ... in order
   std::vector<std::uint64_t> points;                  // of the cloud, ascending: those that got a label
   std::vector<segmentation::Label> labels;            // of them
   std::vector<float> probability;
@@ -64,7 +64,7 @@ struct TiledObject {
 };
 
 struct TiledSegments {
-  std::vector<TiledObject> objects;         // from north to south, ties from west to east
+  std::vector<TiledObject> objects;         // by their anchors from north to south, then west to east
   std::vector<segmentation::Label> labels;  // one a point: terrain, of an accepted object, or unlabelled
   std::uint64_t not_finite = 0, ground = 0;
   std::size_t tiles = 0;

@@ -26,6 +26,7 @@ struct Candidate {
   std::vector<std::uint32_t> points;               // above the ground, indices into the cloud, ascending
   std::vector<geometry::Vec2> footprint;           // convex hull of the points in plan, counter-clockwise, m
   geometry::Vec2 centre = geometry::Vec2::Zero();  // of the smallest circle around the footprint, m
+  geometry::Vec2 anchor = geometry::Vec2::Zero();  // centre of its northernmost, then westernmost cell, m
   double radius = 0.0;                             // of that circle, m
   double area = 0.0;                               // of its cells, m2
   double height = 0.0;                             // of its highest point above the ground, m

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <map>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "io/las.hpp"
@@ -44,7 +44,7 @@ TEST(SegmentTiles, IdsAndLabelsAgree) {
   const auto field = testing::boulder_field(22, 150'000, 35.0, 30);
   const auto result = segmented(field.points, 0.0);
   std::vector<Label> expected(field.points.size(), Label::unlabelled);
-  std::uint32_t next = 0;
+  std::uint32_t next = 1;
   for (const auto& object : result.objects) {
     EXPECT_EQ(object.target_id, next++);
     ASSERT_EQ(object.points.size(), object.labels.size());
@@ -54,8 +54,11 @@ TEST(SegmentTiles, IdsAndLabelsAgree) {
     }
   }
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    if (expected[i] == Label::rock) EXPECT_EQ(result.labels[i], Label::rock);
-    else EXPECT_TRUE(result.labels[i] == Label::terrain || result.labels[i] == Label::unlabelled);
+    if (expected[i] == Label::rock) {
+      EXPECT_EQ(result.labels[i], Label::rock);
+    } else {
+      EXPECT_TRUE(result.labels[i] == Label::terrain || result.labels[i] == Label::unlabelled);
+    }
   }
 }
 
@@ -79,7 +82,6 @@ TEST(SegmentTiles, RejectedObjectsKeepTheirReasonAndNoPoint) {
     } else {
       ++rejected;
       EXPECT_TRUE(object.points.empty());
-      EXPECT_EQ(object.target_id, segmentation::kNoTarget);
     }
   }
   EXPECT_GT(accepted, 2U);

@@ -33,8 +33,8 @@ TEST(Candidates, OneForEachBoulder) {
     if (iou < 0.5) continue;
     ++matched;
     const auto& boulder = field.boulders[static_cast<std::size_t>(best->first)];
-    EXPECT_LT((c.centre - boulder.centre).norm(), 0.25);
-    EXPECT_NEAR(c.radius, boulder.a, 0.3);
+    EXPECT_LT((c.centre - boulder.centre).norm(), 0.35);
+    EXPECT_NEAR(c.radius, boulder.a, 0.4);
     EXPECT_NEAR(c.ground_up, field.ground(c.centre.x(), c.centre.y()), 0.2);
     for (const std::uint32_t i : c.points)
       EXPECT_LE((field.points[i].head<2>() - c.centre).norm(), c.radius * (1 + 1e-9));

@@ -29,8 +29,9 @@ struct BoulderField {
 };
 
 // side: of the square, m; waves of 40 m down to 0.5 m, steepness alike at all scales (slopes to about 30 deg); boulders
-// of 0.3 to 1.2 m semi-axis, ellipsoids buried by a sixth, 5 mm noise.
-inline BoulderField boulder_field(std::uint64_t seed, std::size_t count, double side, std::size_t boulders) {
+// of 0.3 to 1.2 m semi-axis, ellipsoids buried by a sixth, at least `gap` apart; 5 mm noise.
+inline BoulderField boulder_field(std::uint64_t seed, std::size_t count, double side, std::size_t boulders,
+                                  double gap = 0.5) {
   base::Random random(seed, "boulder_field", 0);
   BoulderField field;
   for (int i = 0; i < 40; ++i) {
@@ -45,7 +46,7 @@ inline BoulderField boulder_field(std::uint64_t seed, std::size_t count, double 
     const double a = 0.3 * std::pow(4.0, random.uniform());
     const geometry::Vec2 c(random.uniform(2.0, side - 2.0), random.uniform(2.0, side - 2.0));
     bool free = true;
-    for (const Boulder& other : field.boulders) free &= (c - other.centre).norm() > a + other.a + 0.5;
+    for (const Boulder& other : field.boulders) free &= (c - other.centre).norm() > a + other.a + gap;
     if (!free) continue;
     const double b = a * random.uniform(0.65, 1.0);
     field.boulders.push_back({c, a, b, std::max(0.25, a * random.uniform(0.6, 1.1)), random.uniform(0.0, 3.14159)});
