@@ -162,7 +162,7 @@ TEST_F(FragilityCommand, PointAndLineContacts) {
 TEST_F(FragilityCommand, CoverageLimitsTheGrade) {
   ::cairn::survey::CoverageGap gap;
   gap.id = ::cairn::survey::GapId(0);
-  gap.rings = {{{-2, -2}, {0.4, -2}, {0.4, 2}, {-2, 2}}};
+  gap.rings = {::cairn::geometry::Ring{{-2, -2}, {0.4, -2}, {0.4, 2}, {-2, 2}}};
   gap.area_m2 = 1.0;
   gap.facets = 1;
   gap.reason = "no_view";
