@@ -1,6 +1,6 @@
 #include "fragility/logistic.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
+#include "geometry/vec.hpp"
 
 namespace cairn::fragility {
 namespace {
@@ -25,55 +26,58 @@ double softplus(double x) {
   return x > 0.0 ? x + std::log1p(std::exp(-x)) : std::log1p(std::exp(x));
 }
 
-// The outcomes with their logarithms about the mean and a weight each.
+using geometry::Mat3;
+using geometry::Vec3;
+
+// The outcomes with their logarithms about the mean, and a weight each. Without the ratio its column is 0.
 struct Problem {
-  Eigen::MatrixXd x;
-  Eigen::VectorXd y, weight;
+  std::vector<Vec3> x;
+  std::vector<double> y, weight;
   double mean_pga = 0.0, mean_ratio = 0.0;
+  bool with_ratio = true;
 };
 
 struct State {
   double objective = 0.0, likelihood = 0.0;
-  Eigen::VectorXd score;
-  Eigen::MatrixXd information;
-  bool parted = false;  // every outcome lies on its side of the plane
+  Vec3 score = Vec3::Zero();
+  Mat3 information = Mat3::Zero();
+  bool parted = true;  // every outcome lies on its side of the plane
 };
 
-State evaluate(const Problem& q, const Eigen::VectorXd& b, bool firth) {
+State evaluate(const Problem& q, const Vec3& b, bool firth) {
   State s;
-  const Eigen::VectorXd eta = q.x * b;
-  const auto n = q.x.rows();
-  Eigen::VectorXd p(n), v(n);
-  s.parted = true;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    p[i] = sigmoid(eta[i]);
+  const std::size_t n = q.x.size();
+  std::vector<double> p(n), v(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (q.weight[i] == 0.0) continue;
+    const double eta = q.x[i].dot(b);
+    p[i] = sigmoid(eta);
     v[i] = q.weight[i] * p[i] * (1.0 - p[i]);
-    s.likelihood += q.weight[i] * (q.y[i] * eta[i] - softplus(eta[i]));
-    if (q.weight[i] > 0.0 && !(q.y[i] > 0.5 ? eta[i] > 0.0 : eta[i] < 0.0)) s.parted = false;
+    s.likelihood += q.weight[i] * (q.y[i] * eta - softplus(eta));
+    if (!(q.y[i] > 0.5 ? eta > 0.0 : eta < 0.0)) s.parted = false;
+    s.information += v[i] * q.x[i] * q.x[i].transpose();
+    s.score += q.weight[i] * (q.y[i] - p[i]) * q.x[i];
   }
-  s.information = q.x.transpose() * v.asDiagonal() * q.x;
-  Eigen::VectorXd residual = q.weight.cwiseProduct(q.y - p);
+  if (!q.with_ratio) s.information(2, 2) = 1.0;
   s.objective = s.likelihood;
   if (firth) {
-    const Eigen::LDLT<Eigen::MatrixXd> ldlt(s.information);
-    const Eigen::MatrixXd solved = ldlt.solve(q.x.transpose());
-    for (Eigen::Index i = 0; i < n; ++i) residual[i] += v[i] * q.x.row(i).dot(solved.col(i)) * (0.5 - p[i]);
     const double determinant = s.information.determinant();
     s.objective += determinant > 0.0 ? 0.5 * std::log(determinant) : -std::numeric_limits<double>::infinity();
+    const Mat3 inverse = s.information.inverse();
+    for (std::size_t i = 0; i < n; ++i)
+      if (v[i] > 0.0) s.score += v[i] * q.x[i].dot(inverse * q.x[i]) * (0.5 - p[i]) * q.x[i];
   }
-  s.score = q.x.transpose() * residual;
   return s;
 }
 
 struct Solution {
-  Eigen::VectorXd b;
+  Vec3 b = Vec3::Zero();
   double likelihood = 0.0;
   bool converged = false, separable = false;
 };
 
 Solution solve(const Problem& q, bool firth) {
   Solution out;
-  out.b = Eigen::VectorXd::Zero(q.x.cols());
   State s = evaluate(q, out.b, firth);
   constexpr int kIterations = 200;
   for (int i = 0; i < kIterations; ++i) {
@@ -81,7 +85,7 @@ Solution solve(const Problem& q, bool firth) {
       out.separable = true;
       return out;
     }
-    Eigen::VectorXd step = s.information.ldlt().solve(s.score);
+    Vec3 step = s.information.inverse() * s.score;
     if (!step.allFinite()) return out;
     // Long steps of a flat likelihood are cut; then halved until the objective rises.
     constexpr double kLongest = 5.0;
@@ -95,7 +99,7 @@ Solution solve(const Problem& q, bool firth) {
     }
     if (!rose) break;
     out.b += step;
-    s = std::move(next);
+    s = next;
     if (step.norm() < 1e-10 * (1.0 + out.b.norm())) {
       out.converged = true;
       break;
@@ -106,49 +110,58 @@ Solution solve(const Problem& q, bool firth) {
   return out;
 }
 
-bool varies(const Problem& q, Eigen::Index column) {
+bool ratio_varies(const Problem& q) {
   constexpr double kLeast = 0.02;  // of a natural logarithm
-  const double total = q.weight.sum();
-  const double mean = q.weight.dot(q.x.col(column)) / total;
-  const Eigen::VectorXd d = q.x.col(column).array() - mean;
-  return std::sqrt(q.weight.dot(d.cwiseProduct(d)) / total) > kLeast;
+  double total = 0.0, sum = 0.0, squares = 0.0;
+  for (std::size_t i = 0; i < q.x.size(); ++i) {
+    total += q.weight[i];
+    sum += q.weight[i] * q.x[i][2];
+    squares += q.weight[i] * q.x[i][2] * q.x[i][2];
+  }
+  return squares / total - (sum / total) * (sum / total) > kLeast * kLeast;
 }
 
 Problem problem_of(std::span<const ShakeOutcome> outcomes) {
   Problem q;
-  const auto n = static_cast<Eigen::Index>(outcomes.size());
-  q.x.resize(n, 3);
-  q.y.resize(n);
-  q.weight = Eigen::VectorXd::Ones(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const auto& o = outcomes[static_cast<std::size_t>(i)];
+  for (const auto& o : outcomes) {
     if (!(o.pga_g > 0.0) || !(o.pgv_over_pga_s > 0.0))
       throw Error(ErrorCode::invalid_argument, "an outcome needs positive PGA and PGV/PGA");
-    q.x.row(i) << 1.0, std::log(o.pga_g), std::log(o.pgv_over_pga_s);
-    q.y[i] = o.toppled ? 1.0 : 0.0;
+    q.x.emplace_back(1.0, std::log(o.pga_g), std::log(o.pgv_over_pga_s));
+    q.y.push_back(o.toppled ? 1.0 : 0.0);
+    q.mean_pga += q.x.back()[1];
+    q.mean_ratio += q.x.back()[2];
   }
-  q.mean_pga = n > 0 ? q.x.col(1).mean() : 0.0;
-  q.mean_ratio = n > 0 ? q.x.col(2).mean() : 0.0;
-  q.x.col(1).array() -= q.mean_pga;
-  q.x.col(2).array() -= q.mean_ratio;
+  q.weight.assign(q.x.size(), 1.0);
+  if (q.x.empty()) return q;
+  q.mean_pga /= static_cast<double>(q.x.size());
+  q.mean_ratio /= static_cast<double>(q.x.size());
+  for (auto& x : q.x) x -= Vec3(0.0, q.mean_pga, q.mean_ratio);
   return q;
 }
 
 LogisticFit fit(Problem q, const LogisticOptions& options) {
   LogisticFit f;
-  f.count = static_cast<std::size_t>(q.weight.sum() + 0.5);
-  f.toppled = static_cast<std::size_t>(q.weight.dot(q.y) + 0.5);
-  if (f.count == 0) return f.reason = "no_outcomes", f;
-  if (f.toppled == 0) return f.reason = "none_toppled", f;
-  if (f.toppled == f.count) return f.reason = "all_toppled", f;
-  f.with_ratio = options.with_ratio && varies(q, 2);
-  if (!f.with_ratio) q.x.conservativeResize(Eigen::NoChange, 2);
+  double count = 0.0, toppled = 0.0;
+  for (std::size_t i = 0; i < q.x.size(); ++i) {
+    count += q.weight[i];
+    toppled += q.weight[i] * q.y[i];
+  }
+  f.count = static_cast<std::size_t>(count + 0.5);
+  f.toppled = static_cast<std::size_t>(toppled + 0.5);
+  if (f.count == 0) f.reason = "no_outcomes";
+  else if (f.toppled == 0) f.reason = "none_toppled";
+  else if (f.toppled == f.count) f.reason = "all_toppled";
+  if (!f.reason.empty()) return f;
+  f.with_ratio = q.with_ratio = options.with_ratio && ratio_varies(q);
+  if (!f.with_ratio)
+    for (auto& x : q.x) x[2] = 0.0;
   const auto plain = solve(q, false);
   // Quasi-separation has no plane with every point strictly on its side, but no maximum either.
   f.separable = plain.separable || !plain.converged;
-  if (f.separable && !options.firth) return f.reason = "separable", f;
   const auto best = options.firth ? solve(q, true) : plain;
-  if (!best.converged) return f.reason = "not_converged", f;
+  if (f.separable && !options.firth) f.reason = "separable";
+  else if (!best.converged) f.reason = "not_converged";
+  if (!f.reason.empty()) return f;
   f.b = {best.b[0] - best.b[1] * q.mean_pga, best.b[1], 0.0};
   if (f.with_ratio) {
     f.b[2] = best.b[2];
@@ -196,8 +209,7 @@ std::vector<CurvePoint> bootstrap_curve(std::span<const ShakeOutcome> outcomes, 
       std::vector<double> times(index.size(), 0.0);
       for (std::size_t k = 0; k < times.size(); ++k) times[random.below(times.size())] += 1.0;
       Problem drawn = all;
-      for (std::size_t i = 0; i < outcomes.size(); ++i)
-        drawn.weight[static_cast<Eigen::Index>(i)] = times[index.at(outcomes[i].record)];
+      for (std::size_t i = 0; i < outcomes.size(); ++i) drawn.weight[i] = times[index.at(outcomes[i].record)];
       const auto f = fit(std::move(drawn), options);
       for (std::size_t k = 0; k < pga_and_ratio.size(); ++k)
         p[d][k] = f.fitted

@@ -237,7 +237,7 @@ std::vector<survey::Accelerogram> read_any(const Text& text, const RecordOptions
 }  // namespace records
 
 void RecordOptions::visit(base::OptionVisitor& visitor) {
-  visitor.choice("record-unit", unit, {"", "g", "m/s2", "cm/s2"},
+  visitor.choice("record-unit", unit, {"none", "g", "m/s2", "cm/s2"},
                  "Unit of acceleration of records that name none (such records are refused otherwise)");
   visitor.text("record-column", column, "Column of the acceleration in tables with several");
 }

@@ -11,8 +11,8 @@
 namespace cairn::io {
 
 struct RecordOptions {
-  // For files that name no unit: "g", "m/s2" or "cm/s2" of acceleration. "" = such files are refused.
-  std::string unit;
+  // For files that name no unit: "g", "m/s2" or "cm/s2" of acceleration. "none" = such files are refused.
+  std::string unit = "none";
   // Column of the acceleration in a table of columns, by its header; "" = the only one there is beside the time.
   std::string column;
 

@@ -229,7 +229,7 @@ TEST_F(Records, ColumnsThatCannotBeReadAreRefused) {
   EXPECT_THAT(refusal("a.csv", "time_s,a_m_s2\n0,1\n0.01\n0.02,3\n"), HasSubstr("columns"));
   EXPECT_THAT(refusal("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,2\n2,3,3\n"), HasSubstr("--record-column"));
   EXPECT_DOUBLE_EQ(
-      read("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,5\n2,3,3\n", {"", "filtered_acc_g"}).acceleration[1],
+      read("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,5\n2,3,3\n", {"none", "filtered_acc_g"}).acceleration[1],
       5 * kG);
   EXPECT_THAT(refusal("a.csv", "only words\nand more\n"), HasSubstr("no row of numbers"));
   EXPECT_THAT(refusal("a.txt", "dt=0.005\nacc: m/s2\n1.0\n2.0\n"), HasSubstr("single column"));
