@@ -3,60 +3,13 @@
 #include <utility>
 
 #include "io/records_json.hpp"
+#include "io/tipping_json.hpp"
 
 namespace cairn::io {
 namespace {
 
 using base::Error;
 using base::ErrorCode;
-
-Json edge_to_json(const survey::TippingEdge& e) {
-  return Json::object({{"topple_toward_deg", finite(e.azimuth_deg, "topple_toward_deg")},
-                       {"alpha_rad", finite(e.alpha_rad, "alpha_rad")},
-                       {"r_m", finite(e.r_m, "r_m")},
-                       {"p_rad_s", finite(e.p_rad_s, "p_rad_s")},
-                       {"a_qs_g", finite(e.a_qs_g, "a_qs_g")},
-                       {"v_min_m_s", finite(e.v_min_m_s, "v_min_m_s")}});
-}
-
-survey::TippingEdge edge_from_json(const Json& json) {
-  survey::TippingEdge e;
-  e.azimuth_deg = json.at("topple_toward_deg").as_real();
-  e.alpha_rad = json.at("alpha_rad").as_real();
-  e.r_m = json.at("r_m").as_real();
-  e.p_rad_s = json.at("p_rad_s").as_real();
-  e.a_qs_g = json.at("a_qs_g").as_real();
-  e.v_min_m_s = json.at("v_min_m_s").as_real();
-  return e;
-}
-
-Json tipping_to_json(const survey::Tipping& t) {
-  Json contact = Json::array();
-  for (const auto& p : t.contact) contact.push(vec3_to_json(p, "contact_m"));
-  return Json::object({{"grade", survey::name_of(t.grade)},
-                       {"reasons", Json(t.reasons)},
-                       {"contact_m", std::move(contact)},
-                       {"contact_assumed", t.contact_assumed},
-                       {"critical", t.critical ? edge_to_json(*t.critical) : Json()},
-                       {"a_qs_g_by_azimuth", finite_list(t.a_qs_g_by_azimuth, "a_qs_g_by_azimuth")}});
-}
-
-survey::Tipping tipping_from_json(const Json& json) {
-  survey::Tipping t;
-  const std::string& grade = json.at("grade").as_string();
-  const auto known = survey::grade_from(grade);
-  if (!known)
-    throw Error(ErrorCode::invalid_input, "unknown grade")
-        .found("'" + grade + "'")
-        .allowed("measured, bounded, screening, not_measurable");
-  t.grade = *known;
-  t.reasons = text_list(json.at("reasons"));
-  for (const auto& p : json.at("contact_m").as_array()) t.contact.push_back(p.as_vec3());
-  t.contact_assumed = json.at("contact_assumed").as_bool();
-  if (const Json* edge = json.find("critical"); edge != nullptr && !edge->is_null()) t.critical = edge_from_json(*edge);
-  t.a_qs_g_by_azimuth = real_list(json.at("a_qs_g_by_azimuth"));
-  return t;
-}
 
 Json mass_to_json(const geometry::MassProperties& m) {
   for (int i = 0; i < 9; ++i) finite(m.inertia_per_density.data()[i], "inertia_per_density_m5");
@@ -73,6 +26,19 @@ geometry::MassProperties mass_from_json(const Json& json) {
   m.centre_of_mass = json.at("centre_of_mass_m").as_vec3();
   m.inertia_per_density = matrix_from_json<3>(json.at("inertia_per_density_m5"));
   return m;
+}
+
+Json ids_to_json(const std::vector<survey::TargetId>& ids) {
+  Json out = Json::array();
+  for (const auto id : ids) out.push(id.value);
+  return out;
+}
+
+std::vector<survey::TargetId> ids_from_json(const Json& json, std::string_view key) {
+  std::vector<survey::TargetId> ids;
+  if (const Json* found = json.find(key))
+    for (const auto& id : found->as_array()) ids.emplace_back(id.as_integer());
+  return ids;
 }
 
 survey::CapModel cap_of(const std::string& name) {
@@ -102,7 +68,14 @@ Json to_json(const survey::Rock& r) {
                        {"hull_volume_m3", finite(r.hull_volume_m3, "hull_volume_m3")},
                        {"density_kg_m3", finite(r.density_kg_m3, "density_kg_m3")},
                        {"density_assumed", r.density_assumed},
-                       {"tipping", tipping_to_json(r.tipping)}});
+                       {"noise_m", finite(r.noise_m, "noise_m")},
+                       {"cap_height_sigma_m", finite(r.cap_height_sigma_m, "cap_height_sigma_m")},
+                       {"shape_ratios", named_values_to_json(r.shape_ratios)},
+                       {"name", r.name},
+                       {"aliases", ids_to_json(r.aliases)},
+                       {"supersedes", ids_to_json(r.supersedes)},
+                       {"review", r.review},
+                       {"tipping", to_json(r.tipping)}});
 }
 
 survey::Rock rock_from_json(const Json& json) {
@@ -125,6 +98,13 @@ survey::Rock rock_from_json(const Json& json) {
   r.hull_volume_m3 = json.at("hull_volume_m3").as_real();
   r.density_kg_m3 = json.at("density_kg_m3").as_real();
   r.density_assumed = json.at("density_assumed").as_bool();
+  if (const Json* noise = json.find("noise_m")) r.noise_m = noise->as_real();
+  if (const Json* sigma = json.find("cap_height_sigma_m")) r.cap_height_sigma_m = sigma->as_real();
+  if (const Json* ratios = json.find("shape_ratios")) r.shape_ratios = named_values_from_json(*ratios);
+  if (const Json* name = json.find("name")) r.name = name->as_string();
+  r.aliases = ids_from_json(json, "aliases");
+  r.supersedes = ids_from_json(json, "supersedes");
+  if (const Json* review = json.find("review")) r.review = review->as_string();
   r.tipping = tipping_from_json(json.at("tipping"));
   return r;
 }
