@@ -66,8 +66,9 @@ TEST(ShakeSuite, OppositeDirectionsOfASymmetricBlock) {
     EXPECT_EQ(outcomes[i].azimuth_deg, 40.0);
     EXPECT_EQ(outcomes[i + 1].azimuth_deg, 220.0);
     EXPECT_EQ(outcomes[i].toppled, outcomes[i + 1].toppled);
-    if (outcomes[i].toppled)
+    if (outcomes[i].toppled) {
       EXPECT_NEAR(std::abs(outcomes[i].topple_toward_deg - outcomes[i + 1].topple_toward_deg), 180.0, 1e-9);
+    }
   }
 }
 
@@ -96,7 +97,9 @@ TEST(ShakeSuite, OverturningMapOfABlock) {
   for (std::size_t r = 0; r < 8; ++r)
     for (std::size_t k = 0; k < 24; ++k) {
       if (result.share[r * 24 + k] > 0.0) least[r] = std::min(least[r], result.pga_g[k]);
-      if (result.pga_g[k] < 0.25) EXPECT_EQ(result.share[r * 24 + k], 0.0);
+      if (result.pga_g[k] < 0.25) {
+        EXPECT_EQ(result.share[r * 24 + k], 0.0);
+      }
     }
   EXPECT_EQ(result.share.back(), 1.0);
   EXPECT_LT(least[7], least[4]);
