@@ -88,10 +88,13 @@ TopplingAngles toppling_angles(const RockingProfile& profile) {
       const double r = height / start;
       const bool last = sign > 0 ? i + 1 == profile.toes.size() : i == 0;
       const double to = last ? sign * kHalfPi : (sign > 0 ? profile.switches[i] : profile.switches[i - 1]);
-      const bool inside = sign * toe.alpha > sign * from && sign * toe.alpha < sign * to;
-      if (inside && r > best_height) {
-        best_height = r;
-        best = toe.alpha;
+      // The potential rises to the toe's alpha where that lies ahead, else to the end of its range or not at all.
+      const double stop = sign * std::min(sign * to, kHalfPi);
+      const bool inside = sign * toe.alpha > sign * from && sign * toe.alpha < sign * stop;
+      const double highest = inside ? r : r * std::cos(toe.alpha - stop);
+      if (highest > best_height) {
+        best_height = highest;
+        best = inside ? toe.alpha : stop;
       }
       if (last || sign * to >= kHalfPi) break;
       height = r * std::cos(toe.alpha - to);

@@ -33,7 +33,7 @@ struct RockingProfile {
 // (alpha of toe rest < 0 < alpha of toe rest + 1).
 void validate(const RockingProfile& profile);
 
-// theta of the highest potential on each side: beyond it the body falls on by itself.
+// theta of the highest potential on each side, within 90 degrees: beyond it the body falls on by itself.
 struct TopplingAngles {
   double down = 0.0;  // rad, < 0
   double up = 0.0;    // rad, > 0

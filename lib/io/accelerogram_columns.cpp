@@ -108,10 +108,13 @@ std::vector<Accelerogram> read_velocity_table(const Text& text) {
         .found(std::to_string(velocity.size()) + " values")
         .allowed(std::to_string(n) + ", as the header says");
   if (cut) record.notes.push_back("Values beyond the count in the header were cut.");
-  // Difference quotients stand at the middles of the steps; the whole record moves by half a step.
+  // Difference quotients stand at the middles of the steps; the whole record moves by half a step. Zeros at both ends
+  // keep the velocities of the table at its first and last value.
+  record.acceleration.push_back(0.0);
   for (std::size_t i = 0; i + 1 < velocity.size(); ++i)
     record.acceleration.push_back((velocity[i + 1] - velocity[i]) / record.dt_s);
-  if (record.acceleration.size() < 2) throw text.error(header, "a record needs three velocities at least");
+  record.acceleration.push_back(0.0);
+  if (velocity.size() < 3) throw text.error(header, "a record needs three velocities at least");
   record.notes.push_back("Acceleration is the difference quotient of the velocities given in m/s.");
   return {record};
 }

@@ -189,10 +189,10 @@ TEST_F(Records, VelocityTables) {
   const auto r = read("a.tab", "A NAME\n4,0.5\n0.0\n1.0\n3.0\n2.0\n");
   EXPECT_EQ(r.format, "velocity_table");
   EXPECT_EQ(r.event, "A NAME");
-  EXPECT_EQ(r.acceleration, (std::vector<double>{2.0, 4.0, -2.0}));
+  EXPECT_EQ(r.acceleration, (std::vector<double>{0.0, 2.0, 4.0, -2.0, 0.0}));
   const auto s = read("b.tab", "# number of velocity points: 3, dt: 0.005\n0.0\n0.01\n0.03\n");
   EXPECT_DOUBLE_EQ(s.dt_s, 0.005);
-  EXPECT_NEAR(s.acceleration[1], 4.0, 1e-12);
+  EXPECT_NEAR(s.acceleration[2], 4.0, 1e-12);
   EXPECT_THAT(refusal("c.tab", "A NAME\n5,0.5\n0.0\n1.0\n3.0\n2.0\n"), HasSubstr("ends early"));
   EXPECT_THAT(refusal("c.tab", "A NAME\n4,0.5\n0.0\n1.0\n3.0-1.0\n2.0\n"), HasSubstr("line 5"));
 }
@@ -228,9 +228,9 @@ TEST_F(Records, ColumnsThatCannotBeReadAreRefused) {
   EXPECT_THAT(refusal("a.csv", "time_s,a_m_s2\n0,1\n0.01,1.2-3.4\n0.02,3\n"), HasSubstr("line 3"));
   EXPECT_THAT(refusal("a.csv", "time_s,a_m_s2\n0,1\n0.01\n0.02,3\n"), HasSubstr("columns"));
   EXPECT_THAT(refusal("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,2\n2,3,3\n"), HasSubstr("--record-column"));
-  EXPECT_DOUBLE_EQ(
-      read("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,5\n2,3,3\n", {"none", "filtered_acc_g"}).acceleration[1],
-      5 * kG);
+  EXPECT_DOUBLE_EQ(read("a.csv", "time_s,raw_acc_g,filtered_acc_g\n0,1,1\n1,2,5\n2,3,3\n", {"none", "filtered_acc_g"})
+                       .acceleration[1],
+                   5 * kG);
   EXPECT_THAT(refusal("a.csv", "only words\nand more\n"), HasSubstr("no row of numbers"));
   EXPECT_THAT(refusal("a.txt", "dt=0.005\nacc: m/s2\n1.0\n2.0\n"), HasSubstr("single column"));
   EXPECT_THROW((void)read_accelerograms(folder_ / "none.AT2"), base::Error);
