@@ -190,6 +190,7 @@ Text load(const std::filesystem::path& path) {
   if (text.lines.empty() || all.find('\0') != std::string_view::npos)
     throw Error(ErrorCode::invalid_input, "no record of ground motion")
         .file(text.name)
+        .record("line 1")
         .found(all.empty() ? "an empty file" : "bytes that are no text")
         .allowed("PEER AT2, SMC, COSMOS V2, velocity table, columns of time and acceleration");
   return text;
@@ -246,6 +247,10 @@ std::vector<survey::Accelerogram> read_accelerograms(const std::filesystem::path
   const auto text = records::load(path);
   auto list = records::read_any(text, options);
   for (auto& record : list) {
+    if (!std::all_of(record.acceleration.begin(), record.acceleration.end(), [](double a) { return std::isfinite(a); }))
+      throw base::Error(base::ErrorCode::invalid_input, "an acceleration is too large for a number")
+          .file(text.name)
+          .record("record " + record.component);
     const std::string stem = path.stem().string();
     record.name = list.size() > 1 && !record.component.empty() ? stem + "_" + record.component : stem;
   }
