@@ -77,6 +77,8 @@ void PulseTestOptions::visit(base::OptionVisitor& visitor) {
                "Normal error of every vertex; -1 = a tenth of the median edge");
   visitor.real("pulse-azimuth-deg", azimuth_deg, -1.0, 360.0,
                "Direction of the motion, clockwise from north; -1 = the weakest of the settled body");
+  visitor.real("pulse-azimuth-spread-deg", azimuth_spread_deg, 0.0, 180.0,
+               "Greatest error of that direction, uniform; 180 = any direction");
 }
 
 PulsePrediction predict_pulse_tests(const geometry::TriangleMesh& mesh, const geometry::MassProperties& mass,
@@ -106,7 +108,8 @@ PulsePrediction predict_pulse_tests(const geometry::TriangleMesh& mesh, const ge
       for (auto& p : points)
         for (int k = 0; k < 3; ++k) p[k] += out.vertex_noise_m * random.normal();
       const double share = options.eta_share_max * random.uniform();
-      auto profile = plane_profile(points, mass, out.azimuth_deg);
+      const double beside = options.azimuth_spread_deg * (2.0 * random.uniform() - 1.0);
+      auto profile = plane_profile(points, mass, out.azimuth_deg + beside);
       if (!profile) continue;
       const auto angles = toppling_angles(*profile);
       draws[d] = {with_restitution(std::move(*profile), share), std::min(angles.up, -angles.down)};

@@ -32,9 +32,10 @@ struct PlaneContact {
 
 struct PulseTestOptions {
   std::int64_t contact_draws = 100;
-  double vertex_noise_m = -1.0;  // normal error of every vertex, each axis; below 0 = a tenth of the median edge
-  double azimuth_deg = -1.0;     // of the motion; below 0 = the weakest of the settled body
-  double eta_share_max = 0.5;    // as in SuiteOptions, uniform
+  double vertex_noise_m = -1.0;     // normal error of every vertex, each axis; below 0 = a tenth of the median edge
+  double azimuth_deg = -1.0;        // of the motion; below 0 = the weakest of the settled body
+  double azimuth_spread_deg = 0.0;  // of the motion about azimuth_deg, uniform within +- this; 180 = any direction
+  double eta_share_max = 0.5;       // as in SuiteOptions, uniform
   RockingOptions rocking;
 
   void visit(base::OptionVisitor& visitor);
