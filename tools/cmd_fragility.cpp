@@ -1,6 +1,7 @@
 // cairn fragility MESH|DIR [--contact C.csv] -o OUT
 #include "base/number_text.hpp"
 #include "pipeline/fragility_stage.hpp"
+#include "pipeline/rock_products.hpp"
 #include "pipeline/run_record.hpp"
 #include "tools/command.hpp"
 
@@ -16,15 +17,19 @@ class FragilityCommand final : public Command {
     arguments.option("coverage", files_.coverage,
                      "Folder of 'cairn coverage' (or its gaps.json), same frame as the mesh");
     arguments.options(base::bind_options(options_));
+    arguments.option("survey", products_.survey, "Survey folder, for --figures: photographs with the contact line");
+    arguments.options(base::bind_options(products_));
     arguments.example("cairn fragility surfaces -o fragility --json");
     arguments.example("cairn fragility rock.ply --contact contact.csv --density 2650 -o fragility");
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "fragility");
+    base::validate(base::bind_options(products_), "fragility");
     std::vector<std::filesystem::path> named = {files_.input};
     if (!files_.contact.empty()) named.push_back(files_.contact);
     if (!files_.coverage.empty()) named.push_back(files_.coverage);
+    if (!products_.survey.empty()) named.push_back(products_.survey / "survey.json");
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
     const io::Json sources = arguments.resolved(true);
@@ -33,7 +38,9 @@ class FragilityCommand final : public Command {
     const auto outcome = pipeline::run_to_folder(
         out_, arguments.common.overwrite, {"fragility", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
         [&](const std::filesystem::path& staged) {
-          return pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          auto result = pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          pipeline::add_rock_products(files_.input, staged, products_, result, ctx);
+          return result;
         },
         ctx);
     return {outcome.summary, text_of(outcome),
@@ -75,6 +82,11 @@ class FragilityCommand final : public Command {
         reasons += (reasons.empty() ? " (" : ", ") + reason.as_string();
       text += reasons + (reasons.empty() ? "\n" : ")\n");
     }
+    if (const auto* checks = outcome.summary.find("dynamics"))
+      for (const auto& check : checks->as_array())
+        text += "rock " + check.at("name").as_string() + ": " + std::to_string(check.at("toppled_3d").as_integer()) +
+                " of " + std::to_string(check.at("runs").as_integer()) + " pulses topple it in three dimensions, " +
+                std::to_string(check.at("toppled_plane").as_integer()) + " in the plane\n";
     for (const auto& reject : outcome.rejects)
       text += reject.record + ": " + reject.reason + ", " + reject.message + "\n";
     return text + "Results in " + out_.string() + "\n";
@@ -83,6 +95,7 @@ class FragilityCommand final : public Command {
   pipeline::FragilityFiles files_;
   std::filesystem::path out_;
   fragility::FragilityOptions options_;
+  pipeline::RockProductOptions products_;
 };
 
 }  // namespace
