@@ -198,9 +198,10 @@ class Rocker {
     for (;;) {
       const Step step(toe, drive, offset, length, state_);
       const State error = step.error();
-      const double worst = std::max(std::abs(error.theta) / angle_scale_,
-                                    std::abs(error.rate) / (angle_scale_ * std::sqrt(toe.p_squared))) /
-                           tolerance_;
+      // A body that falls far past its toppling angle is followed to the same share of where it is.
+      const double scale = std::max(angle_scale_, std::abs(state_.theta));
+      const double worst =
+          std::max(std::abs(error.theta), std::abs(error.rate) / std::sqrt(toe.p_squared)) / (scale * tolerance_);
       if (worst > 1.0 && length > 1e-12 * input_.dt) {
         length *= std::max(0.2, 0.9 * std::pow(worst, -0.2));
         continue;
@@ -348,8 +349,9 @@ class Rocker {
   }
   void note_peak() { note_peak(state_.theta); }
   void note_peak(double theta) {
-    result_.peak_up = std::max(result_.peak_up, theta / topple_.up);
-    result_.peak_down = std::max(result_.peak_down, theta / topple_.down);
+    const double held = std::clamp(theta, -stop_, stop_);
+    result_.peak_up = std::max(result_.peak_up, held / topple_.up);
+    result_.peak_down = std::max(result_.peak_down, held / topple_.down);
   }
   // The peak lies inside the step.
   void note_turn(const Step& step, double share, double rate_before) {

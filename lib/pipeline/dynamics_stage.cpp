@@ -170,6 +170,30 @@ std::vector<NamedMotion> check_pulses(const survey::Rock& rock, const DynamicsOp
   return motions;
 }
 
+std::vector<NamedMotion> check_record_motions(const survey::Rock& rock, std::span<const survey::Accelerogram> records,
+                                              std::span<const double> scales) {
+  if (!rock.tipping.critical) throw Error(ErrorCode::failed_precondition, "the rock has no tipping angle");
+  const double axis = rock.tipping.critical->azimuth_deg, azimuth = base::deg_to_rad(axis);
+  const Vec3 away(-std::sin(azimuth), -std::cos(azimuth), 0.0);
+  std::vector<NamedMotion> motions;
+  for (const auto& record : records) {
+    if (record.vertical) continue;
+    std::vector<Vec3> acceleration;
+    double pga = 0.0, pgv = 0.0;
+    for (const double a : record.acceleration) {
+      acceleration.emplace_back(a * away);
+      pga = std::max(pga, std::abs(a));
+    }
+    const auto motion = dynamics::from_acceleration(record.dt_s, acceleration);
+    for (const auto& v : motion.velocity_m_s) pgv = std::max(pgv, v.norm());
+    if (!(pga > 0.0)) continue;
+    for (const double scale : scales)
+      motions.push_back({record.name + " x " + base::to_text(scale), scale * pga / fragility::kGravity, pgv / pga, axis,
+                         dynamics::scaled(motion, scale)});
+  }
+  return motions;
+}
+
 io::Json check_3d(const RockResult& result, std::span<const NamedMotion> motions, const DynamicsOptions& options,
                   base::RunContext& ctx) {
   if (!result.rock.tipping.critical || !result.rock.mass)
@@ -222,8 +246,9 @@ io::Json check_3d(const RockResult& result, std::span<const NamedMotion> motions
                            {"runs", std::move(rows)}});
 }
 
-Outcome dynamics_files(const std::vector<RockResult>& results, const std::filesystem::path& out,
-                       const DynamicsOptions& options, base::RunContext& ctx) {
+Outcome dynamics_files(const std::vector<RockResult>& results, std::span<const survey::Accelerogram> records,
+                       std::span<const double> scales, const std::filesystem::path& out, const DynamicsOptions& options,
+                       base::RunContext& ctx) {
   DynamicsOptions checked = options;
   base::validate(base::bind_options(checked), "dynamics");
   io::Json rows = io::Json::array();
@@ -231,7 +256,9 @@ Outcome dynamics_files(const std::vector<RockResult>& results, const std::filesy
   for (const auto& result : results) {
     if (!result.rock.tipping.critical || result.mesh.triangles.empty()) continue;
     try {
-      const auto check = check_3d(result, check_pulses(result.rock, options), options, ctx);
+      const auto motions =
+          records.empty() ? check_pulses(result.rock, options) : check_record_motions(result.rock, records, scales);
+      const auto check = check_3d(result, motions, options, ctx);
       base::write_file(out / (result.stem + "_dynamics.json"), check.dump() + "\n");
       base::write_file(out / (result.stem + "_dynamics.svg"), plane_svg(result, check));
       rows.push(io::Json::object({{"id", result.rock.target.value},

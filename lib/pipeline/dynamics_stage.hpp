@@ -11,6 +11,7 @@
 #include "dynamics/topple.hpp"
 #include "pipeline/outcome.hpp"
 #include "pipeline/rock_results.hpp"
+#include "survey/accelerogram.hpp"
 
 namespace cairn::pipeline {
 
@@ -38,6 +39,12 @@ struct NamedMotion {
 // critical azimuth. Precondition: rock.tipping.critical.
 [[nodiscard]] std::vector<NamedMotion> check_pulses(const survey::Rock& rock, const DynamicsOptions& options);
 
+// Every horizontal component along the critical azimuth, its positive direction away from it, at every scale; vertical
+// components are left out. Precondition as above.
+[[nodiscard]] std::vector<NamedMotion> check_record_motions(const survey::Rock& rock,
+                                                            std::span<const survey::Accelerogram> records,
+                                                            std::span<const double> scales);
+
 // Every motion on the rigid body (dynamics::topple) and on the plane model along its axis (fragility::rock on the edges
 // of the contact, Housner's impacts, no slip). JSON: the declared parameters, body, runs, counts of equal answers, and
 // the study in the time step of the strongest run that stood and of the weakest that toppled. Throws
@@ -45,9 +52,11 @@ struct NamedMotion {
 [[nodiscard]] io::Json check_3d(const RockResult& result, std::span<const NamedMotion> motions,
                                 const DynamicsOptions& options, base::RunContext& ctx);
 
-// All measurable rocks of the results: writes <stem>_dynamics.json and <stem>_dynamics.svg into `out`. Summary
-// "dynamics": per rock runs, toppled in three dimensions and in the plane, equal answers, whether the step converged.
-Outcome dynamics_files(const std::vector<RockResult>& results, const std::filesystem::path& out,
-                       const DynamicsOptions& options, base::RunContext& ctx);
+// All measurable rocks of the results, under the records or, where there are none, the pulses: writes
+// <stem>_dynamics.json and <stem>_dynamics.svg into `out`. Summary "dynamics": per rock runs, toppled in three
+// dimensions and in the plane, equal answers, whether the step converged.
+Outcome dynamics_files(const std::vector<RockResult>& results, std::span<const survey::Accelerogram> records,
+                       std::span<const double> scales, const std::filesystem::path& out, const DynamicsOptions& options,
+                       base::RunContext& ctx);
 
 }  // namespace cairn::pipeline

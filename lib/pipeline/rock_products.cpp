@@ -43,7 +43,8 @@ void RockProductOptions::visit(base::OptionVisitor& visitor) {
 }
 
 void add_rock_products(const std::filesystem::path& input, const std::filesystem::path& results,
-                       const RockProductOptions& options, Outcome& outcome, base::RunContext& ctx) {
+                       const RockProductOptions& options, const CheckRecords& records, Outcome& outcome,
+                       base::RunContext& ctx) {
   if (!options.survey.empty() && !options.figures)
     throw base::Error(base::ErrorCode::invalid_argument, "a survey is used for figures only")
         .found("--survey without --figures")
@@ -52,7 +53,11 @@ void add_rock_products(const std::filesystem::path& input, const std::filesystem
   const auto rocks = read_rock_results(input, results);
   if (options.robot_models) join(outcome, robot_models(rocks, results, options.dynamics));
   if (options.figures) join(outcome, figure_files(rocks, input, options.survey, results, options.figure, ctx));
-  if (options.check_3d) join(outcome, dynamics_files(rocks, results, options.dynamics, ctx));
+  if (!options.check_3d) return;
+  std::vector<survey::Accelerogram> motions;
+  for (const auto& file : records.files)
+    for (auto& record : io::read_accelerograms(file, records.reading)) motions.push_back(std::move(record));
+  join(outcome, dynamics_files(rocks, motions, records.scales, results, options.dynamics, ctx));
 }
 
 }  // namespace cairn::pipeline

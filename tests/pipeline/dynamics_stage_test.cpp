@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
+#include <numbers>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -70,13 +72,41 @@ TEST(Check3d, WritesTheSameBytesAndSkipsWhatHasNoAngle) {
   base::RunContext ctx;
   const testing::TempFolder a, b;
   for (const auto* folder : {&a, &b}) {
-    const auto outcome = dynamics_files({block, without}, folder->path(), options, ctx);
+    const auto outcome = dynamics_files({block, without}, {}, {}, folder->path(), options, ctx);
     EXPECT_EQ(outcome.summary.at("dynamics").size(), 1U);
   }
   for (const char* name : {"block_dynamics.json", "block_dynamics.svg"})
     EXPECT_EQ(base::read_file(a / name), base::read_file(b / name));
   EXPECT_FALSE(std::filesystem::exists(a / "without_dynamics.json"));
   EXPECT_THROW((void)check_3d(without, {}, options, ctx), base::Error);
+}
+
+// A record runs along the critical azimuth, its first push away from it, once a scale; PGV/PGA does not scale.
+TEST(Check3d, RecordsRunAlongTheCriticalAzimuth) {
+  const auto block = assessed_block(0.5, 1.0, 1.5);
+  survey::Accelerogram record, up;
+  record.name = "pulse";
+  record.dt_s = 0.01;
+  for (int i = 0; i <= 100; ++i) record.acceleration.push_back(i < 50 ? 2.0 : -2.0);
+  up = record;
+  up.vertical = true;
+  const std::vector<double> scales = {1.0, 3.0};
+  const auto motions = check_record_motions(block.rock, std::vector{record, up}, scales);
+  ASSERT_EQ(motions.size(), 2U);
+  EXPECT_NEAR(motions[1].pga_g, 6.0 / 9.80665, 1e-12);
+  EXPECT_NEAR(motions[0].pgv_over_pga_s, motions[1].pgv_over_pga_s, 1e-12);
+  EXPECT_NEAR(motions[0].pgv_over_pga_s, 0.5, 0.01);
+  const double azimuth = block.rock.tipping.critical->azimuth_deg * std::numbers::pi / 180.0;
+  EXPECT_LT(motions[0].motion.velocity(0.2).dot(geometry::Vec3(std::sin(azimuth), std::cos(azimuth), 0.0)), -0.3);
+  DynamicsOptions options;
+  options.step_halvings = 0;
+  options.contact.friction = 2.0;
+  base::RunContext ctx;
+  const auto check = check_3d(block, motions, options, ctx);
+  EXPECT_FALSE(check.at("runs").as_array().at(0).at("toppled_3d").as_bool());
+  EXPECT_EQ(check.at("runs").as_array().at(0).at("outcome_3d").as_string(), "rested");  // 2 m/s^2 < g/3
+  EXPECT_TRUE(check.at("runs").as_array().at(1).at("toppled_3d").as_bool());
+  EXPECT_EQ(check.at("same_answer").as_integer(), 2);
 }
 
 TEST(Check3d, RefusesListsThatAreNoNumbers) {

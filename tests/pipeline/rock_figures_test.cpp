@@ -114,9 +114,9 @@ TEST(AddRockProducts, RefusesASurveyWithoutFigures) {
   base::RunContext ctx;
   RockProductOptions options;
   options.survey = "somewhere";
-  EXPECT_THROW(add_rock_products("mesh.ply", "results", options, outcome, ctx), base::Error);
+  EXPECT_THROW(add_rock_products("mesh.ply", "results", options, {}, outcome, ctx), base::Error);
   options.survey.clear();
-  add_rock_products("mesh.ply", "results", options, outcome, ctx);  // nothing asked, nothing read
+  add_rock_products("mesh.ply", "results", options, {}, outcome, ctx);  // nothing asked, nothing read
 }
 
 }  // namespace
