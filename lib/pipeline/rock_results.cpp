@@ -15,8 +15,9 @@ namespace fs = std::filesystem;
 std::vector<RockResult> read_rock_results(const fs::path& input, const fs::path& results) {
   constexpr double kSameVolume = 1e-6;  // relative: files hold doubles or, at worst, single precision about the rock
   const bool folder = fs::is_directory(input);
+  const io::Json records = io::read_json(results / "rocks.json");
   std::vector<RockResult> list;
-  for (const auto& json : io::read_json(results / "rocks.json").at("rocks").as_array()) {
+  for (const auto& json : records.at("rocks").as_array()) {
     RockResult result;
     result.rock = io::rock_from_json(json);
     result.stem = folder ? std::to_string(result.rock.target.value) : input.stem().string();
