@@ -8,6 +8,16 @@
 #include "report/svg_text.hpp"
 
 namespace cairn::report {
+namespace {
+
+// Four significant digits: what a picture can use.
+std::string short_text(double value) {
+  if (value == 0.0 || !std::isfinite(value)) return base::to_text(value);
+  const double unit = std::pow(10.0, 3.0 - std::floor(std::log10(std::abs(value))));
+  return base::to_text(std::round(value * unit) / unit);
+}
+
+}  // namespace
 
 std::string uncertainty_svg(const survey::Rock& rock, std::string_view title) {
   if (!rock.tipping.uncertainty || rock.tipping.uncertainty->variance_shares.empty()) return {};
@@ -31,7 +41,7 @@ std::string uncertainty_svg(const survey::Rock& rock, std::string_view title) {
   }
   y = 64;
   for (const auto& input : u.inputs) {
-    out += svg::text(kColumn, y + 15, "start", input.name + " = " + base::to_text(input.value), 11);
+    out += svg::text(kColumn, y + 15, "start", input.name + " = " + short_text(input.value), 11);
     y += kRow;
   }
   y = 64 + kRow * rows + 30;

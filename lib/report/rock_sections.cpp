@@ -137,11 +137,12 @@ std::string sections_svg(const survey::Rock& rock, const geometry::TriangleMesh&
   const double critical = rock.tipping.critical->azimuth_deg;
   const auto box = mesh.bounds();
   const double scale = kDraw / std::max({std::hypot(box.size().x(), box.size().y()), box.size().z(), 1e-6});
-  std::string out = svg::open(2 * kPanel + 20, 500);
+  const double floor = kTop + scale * box.size().z();
+  std::string out = svg::open(2 * kPanel + 20, floor + 150);
   out += svg::text(kPanel + 10, 24, "middle", title, 16);
   for (int k = 0; k < 2; ++k) {
     const double azimuth = turned(critical, 90.0 * k), middle = 10 + kPanel * (0.5 + k);
-    const Frame frame{{middle, kTop + kDraw - scale * (centre.z() - box.min.z())}, scale};
+    const Frame frame{{middle, floor - scale * (centre.z() - box.min.z())}, scale};
     out += svg::text(middle, 50, "middle",
                      (k == 0 ? "Along the critical direction, right = " : "Across it, right = ") +
                          base::to_fixed(azimuth, 0) + "\u00b0 from north",
@@ -156,26 +157,27 @@ std::string sections_svg(const survey::Rock& rock, const geometry::TriangleMesh&
     RockingPair pair;
     if (rocking_pair(rock.tipping.contact, centre, azimuth, pair)) {
       out += balance_svg(frame, pair, centre.z());
-      const double below = kTop + kDraw + 24;
+      const double below = floor + 24;
       out += svg::text(middle + 8, below, "start", "\u03b1 " + angle_text(pair.towards.alpha_rad, pair.towards.r_m), 12,
                        "#8b1a1a");
       out += svg::text(middle - 8, below, "end", "\u03b1 " + angle_text(pair.against.alpha_rad, pair.against.r_m), 12,
                        "#8b1a1a");
     } else {
-      out += svg::text(middle, kTop + kDraw + 24, "middle", "this plane leaves the contact on one side only", 12);
+      out += svg::text(middle, floor + 24, "middle", "this plane leaves the contact on one side only", 12);
     }
   }
-  out += svg::scale_bar(20, 430, scale, 120);
+  out += svg::scale_bar(20, floor + 60, scale, 120);
   out +=
-      svg::text(2 * kPanel, 434, "end",
+      svg::text(2 * kPanel, floor + 64, "end",
                 "\u25cb centre of mass, \u25cf rocking points of the section; heights true, local up is vertical", 11);
+  out +=
+      svg::text(20, floor + 104, "start",
+                "least angle over all edges " + base::to_fixed(base::rad_to_deg(rock.tipping.critical->alpha_rad), 1) +
+                    "\u00b0, toppling towards " + base::to_fixed(critical, 0) + "\u00b0",
+                12);
   std::string grade = "grade " + std::string(survey::name_of(rock.tipping.grade));
   for (const auto& reason : rock.tipping.reasons) grade += ", " + reason;
-  out += svg::text(20, 470, "start",
-                   grade + "; least angle over all edges " +
-                       base::to_fixed(base::rad_to_deg(rock.tipping.critical->alpha_rad), 1) +
-                       "\u00b0, toppling towards " + base::to_fixed(critical, 0) + "\u00b0",
-                   12);
+  out += svg::text(20, floor + 126, "start", grade, 11);
   return out + "</svg>\n";
 }
 
