@@ -118,8 +118,7 @@ class Planner {
             .allowed("numbers of this result, or ids that begin with '" + context_.slug + "-'");
     }
     std::int64_t id = number.value_or(-1);
-    for (auto it = plan_.record.aliases.find(id); it != plan_.record.aliases.end();
-         it = plan_.record.aliases.find(id))
+    for (auto it = plan_.record.aliases.find(id); it != plan_.record.aliases.end(); it = plan_.record.aliases.find(id))
       id = it->second;
     if (!number || !rocks_.contains(id))
       throw refuse("no rock of the result has this id").found("'" + std::string(text) + "'").allowed(known_ids());
@@ -234,8 +233,9 @@ class Planner {
       return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
     });
     if (!word)
-      throw refuse("not a class").found("'" + value + "'").allowed(
-          "a word of small letters, digits and underscores: boulder, tree, precarious, ...");
+      throw refuse("not a class")
+          .found("'" + value + "'")
+          .allowed("a word of small letters, digits and underscores: boulder, tree, precarious, ...");
     if (std::find(kJudgements.begin(), kJudgements.end(), value) != kJudgements.end())
       plan_.record.rocks[rock.target.value].judgement = value;
     else rock.object_class = value;

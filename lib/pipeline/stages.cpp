@@ -7,6 +7,7 @@
 #include "pipeline/coverage_stage.hpp"
 #include "pipeline/fragility_stage.hpp"
 #include "pipeline/function_stage.hpp"
+#include "pipeline/inventory_stage.hpp"
 #include "pipeline/layers_stage.hpp"
 #include "pipeline/locate_stage.hpp"
 #include "pipeline/obstacles_stage.hpp"
@@ -52,20 +53,20 @@ std::unique_ptr<Stage> make_route_stage() {
 std::unique_ptr<Stage> make_layers_stage() {
   return make_function_stage<LayersOptions>(
       {"layers",
-       {"locate"},
-       {"fragility", "obstacles", "coverage"},
+       {},
+       {"locate", "fragility", "obstacles", "coverage"},
        [](const StageInputs&, const LayersOptions&) -> Estimate {
          return {128 * kMebibyte, 8 * kMebibyte};
        },
        [](const StageInputs& in, const fs::path& out, const LayersOptions& options, base::RunContext& ctx) {
-         return layers_stage({in.survey, in.products / "targets.json", product(in, "fragility", "rocks.json"),
+         return layers_stage({in.survey, product(in, "locate", "targets.json"), product(in, "fragility", "rocks.json"),
                               product(in, "obstacles", "obstacles.json"), product(in, "coverage", "gaps.json")},
                              out, options, ctx);
        }});
 }
 
 using Maker = std::unique_ptr<Stage> (*)();
-constexpr std::array<std::pair<std::string_view, Maker>, 11> kStages{{{"locate", make_locate_stage},
+constexpr std::array<std::pair<std::string_view, Maker>, 12> kStages{{{"locate", make_locate_stage},
                                                                       {"terrain", make_terrain_stage},
                                                                       {"segment", make_segment_stage},
                                                                       {"surface", make_surface_stage},
@@ -75,6 +76,7 @@ constexpr std::array<std::pair<std::string_view, Maker>, 11> kStages{{{"locate",
                                                                       {"costmap", make_costmap_stage},
                                                                       {"route", make_route_stage},
                                                                       {"layers", make_layers_stage},
+                                                                      {"inventory", make_inventory_stage},
                                                                       {"report", make_report_stage}}};
 
 }  // namespace
