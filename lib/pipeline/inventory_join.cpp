@@ -1,8 +1,10 @@
 #include "pipeline/inventory_join.hpp"
 
 #include <algorithm>
+#include <cstdint>
 #include <map>
 #include <set>
+#include <tuple>
 
 #include "base/error.hpp"
 #include "base/number_text.hpp"

@@ -56,7 +56,7 @@ io::Json run_record(const fs::path& result) {
 const io::Json* argument(const io::Json& run, std::string_view name) {
   const io::Json* arguments = run.is_object() ? run.find("arguments") : nullptr;
   const io::Json* value = arguments == nullptr || !arguments->is_object() ? nullptr : arguments->find(name);
-  return value != nullptr && value->is_string() ? value : nullptr;
+  return value != nullptr && value->is_string() && !value->as_string().empty() ? value : nullptr;
 }
 
 // The mesh of a rock: in the result, else where `fragility` read it from.
@@ -135,7 +135,9 @@ void add_result(report::Inventory& inventory, std::vector<fs::path>& meshes, con
                 base::RunContext& ctx) {
   report::InventorySurvey survey;
   survey.name = source.name;
-  survey.slug = report::slug_of(source.name);
+  survey.slug = report::slug_of(report::protected_text(source.name, inventory.protection));
+  survey.version = source.version;
+  survey.seed = source.seed;
   survey.result = fs::path(source.result).lexically_normal().filename().string();
   if (survey.result.empty())
     survey.result = fs::absolute(source.result).lexically_normal().parent_path().filename().string();
@@ -200,7 +202,7 @@ InventorySource inventory_source(const fs::path& result) {
         .file(result.string())
         .found(fs::exists(result) ? "no rocks.json" : "no such folder")
         .allowed("a folder of cairn run, cairn review or cairn fragility");
-  InventorySource source{result, "", ""};
+  InventorySource source{result, "", "", "", std::nullopt};
   const io::Json run = run_record(result);
   if (const io::Json* survey = argument(run, "survey"))
     if (const fs::path folder = survey->as_string(); fs::is_regular_file(folder / "survey.json")) {

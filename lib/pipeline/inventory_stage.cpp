@@ -5,6 +5,7 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "base/version.hpp"
 #include "io/geojson.hpp"
 #include "io/kml.hpp"
 #include "io/layer_csv.hpp"
@@ -23,10 +24,10 @@ namespace {
 using base::Error;
 using base::ErrorCode;
 
-void require_unique_names(const std::vector<InventorySource>& sources) {
+void require_unique_names(const std::vector<InventorySource>& sources, const report::Protection& protection) {
   std::map<std::string, std::string> seen;
   for (const auto& source : sources) {
-    const std::string slug = report::slug_of(source.name);
+    const std::string slug = report::slug_of(report::protected_text(source.name, protection));
     const auto [it, fresh] = seen.emplace(slug, source.result.string());
     if (!fresh)
       throw Error(ErrorCode::invalid_input, "two results have one survey's name, so that their rocks would share ids")
@@ -95,11 +96,11 @@ Outcome inventory_files(const std::vector<InventorySource>& sources, const fs::p
                         const InventoryOptions& options, base::RunContext& ctx) {
   InventoryOptions checked = options;
   base::validate(base::bind_options(checked), "inventory");
-  require_unique_names(sources);
   report::Inventory inventory;
+  inventory.protection = {options.protect, options.protect_step_deg, options.protect_height_step_m};
+  require_unique_names(sources, inventory.protection);
   std::vector<fs::path> meshes;
   for (const auto& source : sources) add_result(inventory, meshes, source, ctx);
-  inventory.protection = {options.protect, options.protect_step_deg, options.protect_height_step_m};
 
   Outcome outcome;
   std::size_t kept = 0;
@@ -107,6 +108,13 @@ Outcome inventory_files(const std::vector<InventorySource>& sources, const fs::p
   const std::size_t revisits = find_revisits(inventory, options.same_within_m);
   if (!options.notes.empty()) outcome.rejects = join_notes(inventory, options);
   std::set<std::string> ids;
+  for (auto& rock : inventory.rocks) {
+    // Ids of an earlier inventory may be made of a name with coordinates.
+    rock.id = report::protected_text(rock.id, inventory.protection);
+    rock.revisit_of = report::protected_text(rock.revisit_of, inventory.protection);
+    for (auto* list : {&rock.aliases, &rock.supersedes})
+      for (auto& id : *list) id = report::protected_text(id, inventory.protection);
+  }
   for (const auto& rock : inventory.rocks)
     if (!ids.insert(rock.id).second) throw Error(ErrorCode::internal, "two rocks have one id").found(rock.id);
 
@@ -149,7 +157,9 @@ std::unique_ptr<Stage> make_inventory_stage() {
          fs::create_directories(stage_out / "inventory");
          const auto survey = io::read_survey(in.survey);
          const std::string name = survey.manifest.name.empty() ? "survey" : survey.manifest.name;
-         return inventory_files({{in.products, in.survey, name}}, stage_out / "inventory", options, ctx);
+         return inventory_files(
+             {{in.products, in.survey, name, std::string(base::kVersion), static_cast<std::int64_t>(ctx.seed)}},
+             stage_out / "inventory", options, ctx);
        }});
 }
 

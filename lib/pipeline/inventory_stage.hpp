@@ -1,8 +1,10 @@
 // Stage `inventory`: the results of one or many surveys -> one inventory of rocks.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,6 +45,9 @@ struct InventorySource {
   std::filesystem::path result;  // folder of cairn run, review or fragility
   std::filesystem::path survey;  // survey folder; "" = not known: no photographs
   std::string name;              // of the survey
+  // What made it, where its run.json does not say so yet.
+  std::string version = {};
+  std::optional<std::int64_t> seed = {};
 };
 
 // Name and survey of a result: from the survey that its run.json names where that can still be read, else the folder's

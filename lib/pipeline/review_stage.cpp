@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <functional>
 #include <map>
 #include <optional>
 #include <set>
@@ -168,7 +167,8 @@ class Review {
     auto file = io::read_cloud(files_.result / "labelled.las");
     const auto points = change_points(file.cloud, plan, files_.edits);
     io::CloudWriteOptions write;
-    write.crs = write.crs_wkt = file.facts.crs;
+    write.crs = file.facts.crs;
+    if (write.crs.rfind("EPSG:", 0) != 0) write.crs_wkt = write.crs;
     if (file.las) write.las = &*file.las;
     io::write_cloud(out_ / "labelled.las", file.cloud, write);
     write_segments(plan, points);

