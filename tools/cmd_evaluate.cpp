@@ -1,7 +1,8 @@
-// cairn evaluate detections|tracks|targets|trajectory RESULT --truth TRUTH
+// cairn evaluate detections|tracks|targets|trajectory|segmentation RESULT --truth TRUTH
 #include "base/atomic_file.hpp"
 #include "base/number_text.hpp"
 #include "io/detections.hpp"
+#include "pipeline/evaluate_segmentation.hpp"
 #include "pipeline/evaluate_stage.hpp"
 #include "pipeline/run_record.hpp"
 #include "tools/command.hpp"
@@ -67,12 +68,22 @@ std::string text_of_trajectory(const Json& s) {
          line("rpe, rotation, deg:", rpe.at("rotation_deg"), {"rmse", "mean", "median", "max"});
 }
 
+std::string text_of_segmentation(const Json& s) {
+  std::string text = line("rock points:", s, {"iou", "dice", "precision", "recall"});
+  text += line("rocks:", s.at("instances"), {"true", "found", "matched", "precision", "recall"});
+  text += line("contact line to the rim, mean, m:", s.at("contact").at("mean_m"), {"count", "median", "p95", "max"});
+  text += line("alpha error, deg:", s.at("alpha_error_deg"), {"count", "median", "p95", "max"});
+  return text + line("volume error, share:", s.at("volume_error_share"), {"count", "median", "p95", "max"});
+}
+
 class EvaluateCommand final : public Command {
  public:
   void declare(Arguments& arguments) override {
-    arguments.word("kind", kind_, {"detections", "tracks", "targets", "trajectory"}, "What is scored");
-    arguments.input("result", in_.result, "Boxes, tracks, the folder of located targets, or a trajectory");
-    arguments.option("truth", in_.truth, "What it is scored against: truth.json, boxes, tracks or a trajectory");
+    arguments.word("kind", kind_, {"detections", "tracks", "targets", "trajectory", "segmentation"}, "What is scored");
+    arguments.input("result", in_.result,
+                    "Boxes, tracks, the folder of located targets, a trajectory, or a labelled cloud");
+    arguments.option("truth", in_.truth,
+                     "What it is scored against: truth.json, boxes, tracks, a trajectory or a cloud");
     std::vector<std::string> formats{"auto"};
     formats.insert(formats.end(), io::box_format_names().begin(), io::box_format_names().end());
     arguments.choice("format", in_.format, formats, "Format of the result's boxes; auto: from their content");
@@ -80,16 +91,24 @@ class EvaluateCommand final : public Command {
                      "Format of the truth's boxes; auto: from their content");
     arguments.option("names", names_, "Class names of boxes that number classes, one a line");
     arguments.option("survey", in_.survey, "targets: the survey they were located in; default: the truth's folder");
+    arguments.option("contact", segmentation_.contact, "segmentation: contact lines; default: those beside the cloud");
+    arguments.option("rocks", segmentation_.rocks,
+                     "segmentation: folder of surface or fragility; default: bodies are made here");
+    arguments.option("truth-rocks", segmentation_.truth_rocks,
+                     "segmentation: truth.json with rims and volumes; default: beside the true cloud");
     arguments.output(out_, "Write the summary here too, with how it was made", false);
     arguments.options(base::bind_options(options_));
+    arguments.options(base::bind_options(segmentation_options_));
     arguments.example("cairn evaluate detections detections.csv --truth survey/truth.json --json");
     arguments.example("cairn evaluate tracks out.txt --truth gt.txt --json");
     arguments.example("cairn evaluate targets located --truth survey/truth.json --remove-bias survey --json");
+    arguments.example("cairn evaluate segmentation labelled.las --truth truth.las --json");
     arguments.example("cairn evaluate trajectory survey --truth groundtruth.txt --align sim3 --json");
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "evaluate");
+    base::validate(base::bind_options(segmentation_options_), "evaluate");
     if (in_.truth.empty())
       throw base::Error(base::ErrorCode::invalid_argument, "nothing to score against").hint("Name it with --truth");
     if (!names_.empty()) in_.class_names = io::read_class_names(names_);
@@ -127,6 +146,12 @@ class EvaluateCommand final : public Command {
     if (kind_ == "detections") return pipeline::evaluate_detections(in_, options_, ctx);
     if (kind_ == "tracks") return pipeline::evaluate_tracks(in_, options_, ctx);
     if (kind_ == "targets") return pipeline::evaluate_targets(in_, options_, ctx);
+    if (kind_ == "segmentation") {
+      auto in = segmentation_;
+      in.labelled = in_.result;
+      in.truth = in_.truth;
+      return pipeline::evaluate_segmentation(in, segmentation_options_, ctx);
+    }
     return pipeline::evaluate_trajectory(in_, options_, ctx);
   }
 
@@ -134,6 +159,7 @@ class EvaluateCommand final : public Command {
     if (kind_ == "detections") return text_of_detections(summary);
     if (kind_ == "tracks") return text_of_tracks(summary);
     if (kind_ == "targets") return text_of_targets(summary);
+    if (kind_ == "segmentation") return text_of_segmentation(summary);
     return text_of_trajectory(summary);
   }
 
@@ -141,6 +167,8 @@ class EvaluateCommand final : public Command {
   pipeline::EvaluateInputs in_;
   fs::path names_, out_;
   pipeline::EvaluateOptions options_;
+  pipeline::EvaluateSegmentationInputs segmentation_;
+  pipeline::EvaluateSegmentationOptions segmentation_options_;
 };
 
 }  // namespace
