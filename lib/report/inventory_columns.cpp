@@ -186,7 +186,7 @@ void geology(Columns& c) {
     if (it != r.field.end()) return real(base::parse_real(it->second));
     if (r.rock.tipping.uncertainty)
       for (const auto& input : r.rock.tipping.uncertainty->inputs)
-        if (input.name == "density_sigma_kg_m3") return real(input.value);
+        if (input.name == "density_sigma") return real(input.value * r.density_kg_m3);  // a share
     return {};
   });
   c.text("density_source", "assumed (a usual value), given (to the analysis), or field (noted at the rock)",
@@ -321,6 +321,8 @@ void tipping(Columns& c) {
            if_measured([](const Row& r) { return bound_deg(r.rock.tipping.inner); }));
   c.number("alpha_outer_deg", "deg", "least tipping angle on the visible crease, its gaps closed: upper bound",
            if_measured([](const Row& r) { return bound_deg(r.rock.tipping.outer); }));
+  quantiles(c, "alpha_bearing_deg", "deg", "least tipping angle on the contact that bears, inside the visible crease",
+            false);
   c.number("topple_toward_deg", "deg", "direction of the least tipping angle, clockwise from true north",
            of_edge([](const Row&, const auto& e) { return e.azimuth_deg; }));
   c.number("r_m", "m", "distance from the centre of mass to that edge",

@@ -143,23 +143,32 @@ bool tells_place(std::string_view quantity) {
   return quantity.rfind("com_", 0) == 0 || quantity.find("height_m") != std::string_view::npos;
 }
 
+bool scales_with_density(std::string_view quantity) {
+  const auto ends = [&](std::string_view unit) {
+    return quantity.size() >= unit.size() && quantity.substr(quantity.size() - unit.size()) == unit;
+  };
+  return quantity == "mass_kg" || quantity == "density_kg_m3" || ends("_kg_m2") || ends("_j");
+}
+
 io::Layer uncertainty(const Inventory& inventory, const Rows& rows) {
-  io::Layer layer = table("uncertainty", "Quantiles over the Monte Carlo draws, and what makes the variance of alpha",
-                          {kId,
-                           {"kind", ColumnType::text, "", "quantiles, variance_share, or input (what was drawn)"},
-                           {"quantity", ColumnType::text, "", "name with its unit"},
-                           real("value", "", "of a variance_share (0 to 1) or an input"),
-                           real("p05", "", "5 % quantile"),
-                           real("p16", "", "16 % quantile"),
-                           real("p50", "", "median"),
-                           real("p84", "", "84 % quantile"),
-                           real("p95", "", "95 % quantile")});
+  io::Layer layer =
+      table("uncertainty", "Quantiles over the Monte Carlo draws, and what makes the variance of alpha",
+            {kId,
+             {"kind", ColumnType::text, "",
+              "quantiles, variance_share (of alpha on the rim), variance_share_bearing, or input (what was drawn)"},
+             {"quantity", ColumnType::text, "", "name with its unit"},
+             real("value", "", "of a variance_share (0 to 1) or an input"),
+             real("p05", "", "5 % quantile"),
+             real("p16", "", "16 % quantile"),
+             real("p50", "", "median"),
+             real("p84", "", "84 % quantile"),
+             real("p95", "", "95 % quantile")});
   for (const auto& row : rows) {
     if (!row->measured || !row->rock.tipping.uncertainty) continue;
     const auto& u = *row->rock.tipping.uncertainty;
     for (const auto& s : u.scalars)
       if (!inventory.protection.on || !tells_place(s.name)) {
-        const double k = s.name == "mass_kg" ? row->density_ratio() : 1.0;
+        const double k = scales_with_density(s.name) ? row->density_ratio() : 1.0;
         add_row(layer,
                 {row->entry.id, std::string("quantiles"), s.name, Value(), number(k * s.value.p05),
                  number(k * s.value.p16), number(k * s.value.p50), number(k * s.value.p84), number(k * s.value.p95)});
@@ -170,6 +179,7 @@ io::Layer uncertainty(const Inventory& inventory, const Rows& rows) {
                         Value()});
     };
     add("variance_share", u.variance_shares);
+    add("variance_share_bearing", u.variance_shares_bearing);
     add("input", u.inputs);
   }
   return layer;
