@@ -2,6 +2,7 @@
 #include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "pipeline/fragility_stage.hpp"
+#include "pipeline/rock_products.hpp"
 #include "pipeline/run_record.hpp"
 #include "pipeline/shake_stage.hpp"
 #include "tools/command.hpp"
@@ -23,6 +24,8 @@ class FragilityCommand final : public Command {
     arguments.option("pulse-tests", pulse_tests_,
                      "CSV of pga_g,pgv_over_pga_s: probability that one cosine overturns the mesh on a plane");
     arguments.options(base::bind_options(options_));
+    arguments.option("survey", products_.survey, "Survey folder, for --figures: photographs with the contact line");
+    arguments.options(base::bind_options(products_));
     arguments.options(base::bind_options(shake_options_));
     arguments.options(base::bind_options(pulse_options_));
     arguments.example("cairn fragility surfaces -o fragility --json");
@@ -32,19 +35,21 @@ class FragilityCommand final : public Command {
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "fragility");
+    base::validate(base::bind_options(products_), "fragility");
     if (!shake_.empty() || !pulse_tests_.empty()) return shake(arguments, ctx);
     std::vector<std::filesystem::path> named = {files_.input};
     if (!files_.contact.empty()) named.push_back(files_.contact);
     if (!files_.coverage.empty()) named.push_back(files_.coverage);
+    if (!products_.survey.empty()) named.push_back(products_.survey / "survey.json");
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
-    const io::Json sources = arguments.resolved(true);
-    const io::Json* density = sources.find("density");
-    const bool assumed = density == nullptr || density->at("source").as_string() == "default";
+    const bool assumed = density_assumed(arguments);
     const auto outcome = pipeline::run_to_folder(
         out_, arguments.common.overwrite, {"fragility", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
         [&](const std::filesystem::path& staged) {
-          return pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          auto result = pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          pipeline::add_rock_products(files_.input, staged, products_, {}, result, ctx);
+          return result;
         },
         ctx);
     return {outcome.summary, text_of(outcome),
@@ -52,6 +57,12 @@ class FragilityCommand final : public Command {
   }
 
  private:
+  [[nodiscard]] static bool density_assumed(const Arguments& arguments) {
+    const io::Json sources = arguments.resolved(true);
+    const io::Json* density = sources.find("density");
+    return density == nullptr || density->at("source").as_string() == "default";
+  }
+
   // Rocking instead of tipping: records, or a table of pulses.
   CommandResult shake(const Arguments& arguments, base::RunContext& ctx) {
     base::validate(base::bind_options(shake_options_), "fragility --shake");
@@ -73,8 +84,16 @@ class FragilityCommand final : public Command {
     const auto outcome = pipeline::run_to_folder(
         out_, arguments.common.overwrite, {"fragility", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
         [&](const std::filesystem::path& staged) {
-          return pulse_tests_.empty() ? pipeline::shake_files(in, staged, scales, shake_options_, options_, ctx)
-                                      : pipeline::pulse_test_files(in.input, pulse_tests_, staged, pulse_options_, ctx);
+          if (!pulse_tests_.empty())
+            return pipeline::pulse_test_files(in.input, pulse_tests_, staged, pulse_options_, ctx);
+          auto result = pipeline::shake_files(in, staged, scales, shake_options_, options_, ctx);
+          if (products_.any()) {
+            // The products read the tipping results, which stand beside those of the records then.
+            (void)pipeline::fragility_files(files_, staged, density_assumed(arguments), options_, ctx);
+            pipeline::add_rock_products(files_.input, staged, products_, {in.records, scales, shake_options_.record},
+                                        result, ctx);
+          }
+          return result;
         },
         ctx);
     std::string text;
@@ -86,10 +105,21 @@ class FragilityCommand final : public Command {
     if (const auto* accuracy = outcome.summary.find("accuracy"))
       text += "accuracy " + base::to_fixed(accuracy->as_real(), 3) + ", Brier score " +
               base::to_fixed(outcome.summary.at("brier").as_real(), 3) + "\n";
+    text += checks_text(outcome);
     for (const auto& reject : outcome.rejects)
       text += reject.record + ": " + reject.reason + ", " + reject.message + "\n";
     return {outcome.summary, text + "Results in " + out_.string() + "\n",
             outcome.rejects.empty() ? base::ExitCode::ok : base::ExitCode::item_failures};
+  }
+
+  [[nodiscard]] static std::string checks_text(const pipeline::Outcome& outcome) {
+    std::string text;
+    if (const auto* checks = outcome.summary.find("dynamics"))
+      for (const auto& check : checks->as_array())
+        text += "rock " + check.at("name").as_string() + ": " + std::to_string(check.at("toppled_3d").as_integer()) +
+                " of " + std::to_string(check.at("runs").as_integer()) + " motions topple it in three dimensions, " +
+                std::to_string(check.at("toppled_plane").as_integer()) + " in the plane\n";
+    return text;
   }
 
   // What the draws and the contact's bounds leave open.
@@ -126,6 +156,7 @@ class FragilityCommand final : public Command {
         reasons += (reasons.empty() ? " (" : ", ") + reason.as_string();
       text += reasons + (reasons.empty() ? "\n" : ")\n");
     }
+    text += checks_text(outcome);
     for (const auto& reject : outcome.rejects)
       text += reject.record + ": " + reject.reason + ", " + reject.message + "\n";
     return text + "Results in " + out_.string() + "\n";
@@ -138,6 +169,7 @@ class FragilityCommand final : public Command {
   pipeline::ShakeOptions shake_options_;
   fragility::PulseTestOptions pulse_options_;
   fragility::FragilityOptions options_;
+  pipeline::RockProductOptions products_;
 };
 
 }  // namespace
