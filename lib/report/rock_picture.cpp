@@ -47,7 +47,7 @@ RockPicture draw_rock(const geometry::TriangleMesh& mesh, const std::vector<std:
   picture.image.pixels.assign(width_px * height_px, kNothing);
   const double azimuth = base::deg_to_rad(right_azimuth_deg);
   picture.right = {std::sin(azimuth), std::cos(azimuth), 0.0};
-  const Vec3 sight = Vec3::UnitZ().cross(picture.right);
+  const Vec3 sight(-picture.right.y(), picture.right.x(), 0.0);  // up x right: right lies to the right of it
   if (mesh.triangles.empty()) return picture;
 
   double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo;
