@@ -13,9 +13,9 @@ namespace {
 using geometry::Vec2;
 using geometry::Vec3;
 
-constexpr std::size_t kFine = 2;      // samples a pixel along each side
-constexpr std::size_t kLevels = 40;   // of light, for each tint
-constexpr std::uint8_t kNothing = 0;  // palette index
+constexpr std::size_t kFine = 2;               // samples a pixel along each side
+constexpr std::size_t kLevels = kSeenColours;  // of light, for each tint
+constexpr std::uint8_t kNothing = 0;           // palette index
 
 std::vector<Rgba> palette() {
   std::vector<Rgba> colours{{255, 255, 255, 0}};
