@@ -120,7 +120,7 @@ void cell(Html& h, const SiteRock& rock, double x, double y) {
   }
   h.raw("<text x=\"11\" y=\"148\" font-size=\"10.5\" fill=\"#1c1c1c\">").text(first).raw("</text>");
   h.raw("<text x=\"11\" y=\"162\" font-size=\"9.5\" fill=\"#555555\">").text(grade_label(rock.grade));
-  if (rock.height_m > 0.0) h.text(", " + base::to_fixed(rock.height_m, 2) + " m high");
+  if (rock.height_m > 0.0) h.text(", H " + base::to_fixed(rock.height_m, 2) + " m");
   h.raw("</text></g>");
 }
 
@@ -159,7 +159,7 @@ Html contact_sheet(const std::vector<SiteRock>& rocks) {
   const std::size_t columns = std::min(kColumns, order.size());
   const std::size_t lines = (order.size() + columns - 1) / columns;
   // Room for the legend.
-  const double width = std::max(kCellWidth * static_cast<double>(columns) + 2.0, 620.0);
+  const double width = std::max(kCellWidth * static_cast<double>(columns) + 2.0, 720.0);
   const double height = kTop + kCellHeight * static_cast<double>(lines) + 2.0;
   h.raw("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"contact-sheet\" role=\"img\"")
       .attr("viewBox", "0 0 " + num(width, 1) + " " + num(height, 1));
@@ -173,10 +173,16 @@ Html contact_sheet(const std::vector<SiteRock>& rocks) {
     h.raw("<rect y=\"8\" width=\"11\" height=\"11\"").attr("x", x).attr("fill", grade_colour(grade)).raw("/>");
     h.raw("<text y=\"17.5\" font-size=\"11\" fill=\"#1c1c1c\"").attr("x", x + 16.0).raw(">");
     h.text(std::string(grade_label(grade)) + " " + std::to_string(count)).raw("</text>");
-    x += 124.0;
+    x += 140.0;
   }
-  h.raw("<rect y=\"8\" width=\"11\" height=\"11\" fill=\"#d6966e\"").attr("x", x).raw("/>");
-  h.raw("<text y=\"17.5\" font-size=\"11\" fill=\"#1c1c1c\"").attr("x", x + 16.0).raw(">closed, not seen</text>");
+  const bool closed = std::any_of(rocks.begin(), rocks.end(), [](const SiteRock& r) {
+    return r.picture && std::any_of(r.picture->image.pixels.begin(), r.picture->image.pixels.end(),
+                                    [](std::uint8_t pixel) { return pixel > kSeenColours; });
+  });
+  if (closed) {
+    h.raw("<rect y=\"8\" width=\"11\" height=\"11\" fill=\"#d6966e\"").attr("x", x).raw("/>");
+    h.raw("<text y=\"17.5\" font-size=\"11\" fill=\"#1c1c1c\"").attr("x", x + 16.0).raw(">closed, not seen</text>");
+  }
   for (std::size_t n = 0; n < order.size(); ++n)
     cell(h, rocks[order[n]], 2.0 + kCellWidth * static_cast<double>(n % columns),
          kTop + kCellHeight * static_cast<double>(n / columns));

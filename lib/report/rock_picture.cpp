@@ -13,9 +13,9 @@ namespace {
 using geometry::Vec2;
 using geometry::Vec3;
 
-constexpr std::size_t kFine = 2;      // samples a pixel along each side
-constexpr std::size_t kLevels = 40;   // of light, for each tint
-constexpr std::uint8_t kNothing = 0;  // palette index
+constexpr std::size_t kFine = 2;               // samples a pixel along each side
+constexpr std::size_t kLevels = kSeenColours;  // of light, for each tint
+constexpr std::uint8_t kNothing = 0;           // palette index
 
 std::vector<Rgba> palette() {
   std::vector<Rgba> colours{{255, 255, 255, 0}};
@@ -47,7 +47,7 @@ RockPicture draw_rock(const geometry::TriangleMesh& mesh, const std::vector<std:
   picture.image.pixels.assign(width_px * height_px, kNothing);
   const double azimuth = base::deg_to_rad(right_azimuth_deg);
   picture.right = {std::sin(azimuth), std::cos(azimuth), 0.0};
-  const Vec3 sight = Vec3::UnitZ().cross(picture.right);
+  const Vec3 sight(-picture.right.y(), picture.right.x(), 0.0);  // up x right: right lies to the right of it
   if (mesh.triangles.empty()) return picture;
 
   double lo = std::numeric_limits<double>::infinity(), hi = -lo, bottom = lo, top = -lo;

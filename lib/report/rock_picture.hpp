@@ -9,6 +9,9 @@
 
 namespace cairn::report {
 
+// Palette indices above this are of facets closed by the cap model; 0 is transparent.
+inline constexpr std::uint8_t kSeenColours = 40;
+
 // Orthographic, the optical axis level. Pixel (x, y) shows right = left_m + x * m_per_px along the picture's right,
 // up = top_m - y * m_per_px (both measured in the mesh's own frame).
 struct RockPicture {

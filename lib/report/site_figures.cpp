@@ -208,7 +208,8 @@ std::string site_page(const std::string& title, const std::vector<std::string>& 
       "</title>\n<style>body{font:15px/1.45 system-ui,'Noto Sans','DejaVu Sans',sans-serif;margin:0 auto;"
       "max-width:1240px;padding:24px;color:#1c1c1c;background:#fff}h1{font-size:24px;margin:0 0 6px}"
       "h2{font-size:18px;margin:30px 0 8px}p{margin:4px 0}svg{max-width:100%;height:auto;display:block}"
-      ".two{display:flex;flex-wrap:wrap;gap:24px}.two>div{flex:1 1 420px}.quiet{color:#555}</style>\n"
+      "svg.map{max-width:800px}.two{display:flex;flex-wrap:wrap;gap:24px}.two>div{flex:1 1 "
+      "420px}.quiet{color:#555}</style>\n"
       "</head>\n<body>\n<h1>");
   h.text(title).raw("</h1>\n<p>");
   h.text(std::to_string(rocks.size() - rejected) + " rocks, " + std::to_string(rejected) + " rejected.").raw("</p>\n");
@@ -225,7 +226,9 @@ std::string site_page(const std::string& title, const std::vector<std::string>& 
   if (with_map) {
     const Html map = site_map(rocks);
     if (!map.empty())
-      h.raw("\n<h2>Map</h2>\n<p class=\"quiet\">Local frame, north up; crosses were rejected.</p>\n").add(map);
+      h.raw("\n<h2>Map</h2>\n<p class=\"quiet\">Local frame, north up; crosses were rejected.</p>\n<div class=\"map\">")
+          .add(map)
+          .raw("</div>");
   }
   h.raw("\n</body>\n</html>\n");
   return std::move(h).str();
