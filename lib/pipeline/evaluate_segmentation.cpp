@@ -333,7 +333,6 @@ FoundRocks found_rocks(const EvaluateSegmentationInputs& in, bool bodies_wanted,
 }  // namespace
 
 void EvaluateSegmentationOptions::visit(base::OptionVisitor& visitor) {
-  visitor.real("least-iou", least_iou, 0.01, 1.0, "segmentation: least IoU of a rock that counts as found");
   visitor.real("tolerance-m", tolerance_m, 0.0, 1.0, "segmentation: points nearer than this are the same [m]");
   visitor.real("step-m", step_m, 1e-4, 1.0, "segmentation: distances of contact lines are taken so densely [m]");
 }
