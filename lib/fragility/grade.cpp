@@ -53,6 +53,14 @@ Grading grade(const Evidence& evidence, const GradeOptions& options) {
   else if (evidence.contact_observed_share < options.measured_min_contact)
     ceiling.lower_to(Grade::bounded, "contact_partly_seen");
 
+  // What the flight cannot have seen was not seen, whatever the line says.
+  if (evidence.contact_covered_share) {
+    if (*evidence.contact_covered_share < options.bounded_min_contact)
+      ceiling.lower_to(Grade::screening, "contact_not_covered");
+    else if (*evidence.contact_covered_share < options.measured_min_contact)
+      ceiling.lower_to(Grade::bounded, "contact_not_covered");
+  }
+
   bool unknown = evidence.points == 0 || !(evidence.point_spacing_m > 0.0);
   if (evidence.points > 0 && evidence.points < static_cast<std::size_t>(options.min_points))
     ceiling.lower_to(Grade::not_measurable, "too_few_points");

@@ -23,6 +23,8 @@ struct Evidence {
   std::optional<double> sides_seen_share;
   bool contact_assumed = true;          // a band at the base, not a digitised or segmented line
   double contact_observed_share = 0.0;  // of the contact perimeter, 0..1
+  // Of the contact perimeter, 0..1: outside the gaps that a coverage audit found. Empty = no audit.
+  std::optional<double> contact_covered_share;
 };
 
 // Thresholds of the grades. First values, chosen on the sampling argument in docs/science/tipping.md,
@@ -43,7 +45,7 @@ struct GradeOptions {
 
 struct Grading {
   survey::Grade grade = survey::Grade::not_measurable;
-  // Why it is not better, reason codes: contact_assumed, contact_partly_seen, too_few_points,
+  // Why it is not better, reason codes: contact_assumed, contact_partly_seen, contact_not_covered, too_few_points,
   // too_coarse, sides_not_seen, mostly_unseen, partly_unseen, surface_evidence_unknown.
   std::vector<std::string> reasons;
 };

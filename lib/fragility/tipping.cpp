@@ -135,7 +135,8 @@ const char* reason_of(Equilibrium state) {
   return "";
 }
 
-TippingResult tipping(const geometry::MassProperties& mass, std::span<const Vec3> contacts, double tolerance) {
+TippingResult tipping(const geometry::MassProperties& mass, std::span<const Vec3> contacts, double tolerance,
+                      Azimuths azimuths) {
   if (!(mass.volume > 0.0) || !mass.centre_of_mass.allFinite() || !mass.inertia_per_density.allFinite())
     throw base::Error(base::ErrorCode::failed_precondition, "tipping needs a closed, outward mesh of positive volume");
   TippingResult result;
@@ -193,8 +194,24 @@ TippingResult tipping(const geometry::MassProperties& mass, std::span<const Vec3
     result.edges.push_back(edge);
     if (!result.critical || edge.alpha < result.edges[*result.critical].alpha) result.critical = i;
   }
-  fill_azimuths(result, ring);
+  if (azimuths == Azimuths::all) fill_azimuths(result, ring);
   return result;
+}
+
+std::size_t opposite_edge(const TippingResult& result, std::size_t from) {
+  const double azimuth = base::deg_to_rad(result.edges[from].azimuth_deg + 180.0);
+  const Vec2 u(std::sin(azimuth), std::cos(azimuth));
+  // Of the edges that face u, the one that a push along u reaches first: a_e(u) = a_e / (u . n_e).
+  std::size_t best = from;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < result.edges.size(); ++i) {
+    const double normal = base::deg_to_rad(result.edges[i].azimuth_deg);
+    const double facing = u.dot(Vec2(std::sin(normal), std::cos(normal)));
+    if (!(facing > 1e-9)) continue;
+    const double reached = result.edges[i].a_qs_g / facing;
+    if (reached < least) least = reached, best = i;
+  }
+  return best;
 }
 
 }  // namespace cairn::fragility

@@ -66,8 +66,14 @@ struct TippingResult {
 // mass: closed outward mesh, z true vertical, any density. contacts: same frame, m, any order,
 // any number; z may differ. tolerance [m]: plumb points closer than this to the border count
 // as outside (alpha = 0 is never reported). Limits: rigid, unilateral parallel contact forces,
-// no friction, no wedging; conservative. Cost n log n + 360 edges.
+// no friction, no wedging; conservative. Cost n log n + 360 edges; without azimuths (the table and the least over all
+// directions stay empty) n log n.
+enum class Azimuths { all, none };
 [[nodiscard]] TippingResult tipping(const geometry::MassProperties& mass, std::span<const geometry::Vec3> contacts,
-                                    double tolerance = 1e-6);
+                                    double tolerance = 1e-6, Azimuths azimuths = Azimuths::all);
+
+// The edge about which the rock rocks back after the edge `from`: the one that a push the opposite way topples about.
+// Precondition: result is stable.
+[[nodiscard]] std::size_t opposite_edge(const TippingResult& result, std::size_t from);
 
 }  // namespace cairn::fragility

@@ -169,6 +169,7 @@ Json uncertainty_to_json(const std::optional<survey::TippingUncertainty>& u) {
                        {"a_qs_g_by_azimuth", std::move(azimuths)},
                        {"rose", finite_list(u->rose, "rose")},
                        {"variance_shares", named_values_to_json(u->variance_shares)},
+                       {"variance_shares_bearing", named_values_to_json(u->variance_shares_bearing)},
                        {"inputs", named_values_to_json(u->inputs)},
                        {"draws_file", u->draws_file}});
 }
@@ -185,6 +186,7 @@ std::optional<survey::TippingUncertainty> uncertainty_from_json(const Json& json
     u.a_qs_g_by_azimuth[i] = real_list(found->at("a_qs_g_by_azimuth").at(kLevels[i]));
   u.rose = real_list(found->at("rose"));
   u.variance_shares = named_values_from_json(found->at("variance_shares"));
+  u.variance_shares_bearing = named_values_from_json(found->at("variance_shares_bearing"));
   u.inputs = named_values_from_json(found->at("inputs"));
   u.draws_file = found->at("draws_file").as_string();
   return u;

@@ -32,6 +32,7 @@ struct SeenBox {
   double side_variance = 1.0;  // px^2, assumed
   double turn_m = 0.0;         // what the rotation's sigma is at the target
   Mat2 pose = Mat2::Zero();    // of the box's place by the pose, px^2, assumed
+  double depth_m = 0.0;        // of the target
   double reach_m = 0.0;        // half the box's mean side at the target's depth
   bool whole = true;
 };
@@ -135,6 +136,7 @@ std::optional<SeenBox> see(const survey::Survey& survey, const survey::Detection
       pose_covariance(view, centre, options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_xy_m),
                       options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_z_m), sigma_rot);
   box.turn_m = sigma_rot * depth;
+  box.depth_m = depth;
   box.reach_m = 0.25 * depth * (ideal->width() / view.fx_px + ideal->height() / view.fy_px);
   return box;
 }
@@ -183,7 +185,10 @@ Work prepare(const Target& target, std::size_t index, const survey::Survey& surv
     return work;
   }
   std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2), reach.end());
-  work.start.ellipsoid[kLogRadius] = work.start.ellipsoid[kLogHalfHeight] = std::log(reach[reach.size() / 2]);
+  const double radius = reach[reach.size() / 2];
+  work.start.ellipsoid[kLogRadius] = work.start.ellipsoid[kLogHalfHeight] = std::log(radius);
+  // A stray box from a camera that would stand in the body itself, or have it beside its image plane.
+  std::erase_if(work.boxes, [radius](const SeenBox& box) { return box.depth_m < radius; });
   return work;
 }
 

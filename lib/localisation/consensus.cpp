@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 #include "base/parallel.hpp"
@@ -14,6 +15,14 @@ namespace {
 using geometry::Vec3;
 
 constexpr int kRounds = 5;
+// Of the boxes of two targets that are joined: a gate of 3.5 sigma takes two boxes of a thousand from their own object.
+constexpr double kLostShare = 0.01;
+// Of the frames of the lesser of two targets nearly in one place: those with a box of each. A stray box beside the
+// object's own must not keep its two halves apart; two objects show in most frames together.
+constexpr double kSharedShare = 0.1;
+constexpr double kNearShare = 0.5;  // of the lesser size: how near such targets must be
+// A track's boxes are strays in a target that has fewer of them than this share of what another target has.
+constexpr double kStrayShare = 0.25;
 constexpr double kSameObject = 0.25;  // of the size: centres nearer than this are one object, boxes in one frame or not
 
 class Builder {
@@ -48,6 +57,7 @@ class Builder {
       if (!changed) break;
     }
     drop_doubles();
+    if (prepared_.tracked) drop_strays();
     std::sort(candidates_.begin(), candidates_.end(), [](const auto& a, const auto& b) { return a.id < b.id; });
     const auto pool = free_boxes();
     result_.left_over.assign(pool.begin(), pool.end());
@@ -83,15 +93,22 @@ class Builder {
     return pool;
   }
 
-  // Both lists ascend, and with them the frames.
-  bool share_frame(const Candidate& a, const Candidate& b) const {
-    std::size_t i = 0, j = 0;
-    while (i < a.boxes.size() && j < b.boxes.size()) {
-      const std::size_t fa = prepared_.boxes[a.boxes[i]].frame, fb = prepared_.boxes[b.boxes[j]].frame;
-      if (fa == fb) return true;
-      fa < fb ? ++i : ++j;
+  // The boxes of both, and those of `b` alone left out that lie in frames of `a`. Both lists ascend, and with them the
+  // frames.
+  struct Union {
+    std::vector<std::size_t> boxes;
+    std::size_t shared_frames = 0;
+  };
+  Union unite(const Candidate& a, const Candidate& b) const {
+    Union all{a.boxes, 0};
+    std::size_t i = 0;
+    for (const std::size_t box : b.boxes) {
+      const std::size_t frame = prepared_.boxes[box].frame;
+      while (i < a.boxes.size() && prepared_.boxes[a.boxes[i]].frame < frame) ++i;
+      if (i < a.boxes.size() && prepared_.boxes[a.boxes[i]].frame == frame) ++all.shared_frames;
+      else all.boxes.push_back(box);
     }
-    return false;
+    return all;
   }
 
   void sort_by_east() {
@@ -130,11 +147,17 @@ class Builder {
       const double distance = (a.fix.centre - b.fix.centre).norm();
       const double spread = 3.0 * std::sqrt(a.fix.covariance.trace() + b.fix.covariance.trace());
       const double limit = std::max({a.size_m, b.size_m, spread, wander(a), wander(b)});
-      if (distance > limit || share_frame(a, b)) return false;
-      Candidate joined = a;
+      if (distance > limit) return false;
+      const bool larger = a.boxes.size() >= b.boxes.size();
+      auto all = larger ? unite(a, b) : unite(b, a);
+      const auto few = static_cast<double>(std::min(a.boxes.size(), b.boxes.size()));
+      if (static_cast<double>(all.shared_frames) > kSharedShare * few) return false;
+      if (all.shared_frames > 0 && distance > kNearShare * std::min(a.size_m, b.size_m)) return false;
+      Candidate joined = larger ? a : b;
       joined.id = std::min(a.id, b.id);
-      joined.boxes.insert(joined.boxes.end(), b.boxes.begin(), b.boxes.end());
-      if (!refit(joined) || joined.boxes.size() < a.boxes.size() + b.boxes.size()) return false;
+      joined.boxes = std::move(all.boxes);
+      const auto together = static_cast<double>(joined.boxes.size());
+      if (!refit(joined) || static_cast<double>(joined.boxes.size()) < (1.0 - kLostShare) * together) return false;
       a = std::move(joined);
       ++result_.merged;
       return true;
@@ -150,6 +173,26 @@ class Builder {
       ++result_.merged;
       return true;
     });
+  }
+
+  // Boxes of a track that follows another target: they lie on the line of sight of this one for a while.
+  void drop_strays() {
+    std::map<survey::TrackId, std::map<std::size_t, std::size_t>> holders;  // track -> candidate -> boxes
+    for (std::size_t c = 0; c < candidates_.size(); ++c)
+      for (const std::size_t b : candidates_[c].boxes) ++holders[prepared_.boxes[b].track][c];
+    std::vector<Candidate> cleared = candidates_;
+    std::vector<bool> touched(candidates_.size(), false);
+    for (std::size_t c = 0; c < cleared.size(); ++c) {
+      const auto gone = std::erase_if(cleared[c].boxes, [&](std::size_t b) {
+        const auto& held = holders[prepared_.boxes[b].track];
+        return std::any_of(held.begin(), held.end(), [&](const auto& other) {
+          return static_cast<double>(held.at(c)) < kStrayShare * static_cast<double>(other.second);
+        });
+      });
+      touched[c] = gone > 0;
+    }
+    for (std::size_t c = 0; c < cleared.size(); ++c)
+      if (touched[c] && refit(cleared[c])) candidates_[c] = std::move(cleared[c]);
   }
 
   // Two boxes always meet nearly somewhere: such targets stand for election again, beside the other pool boxes.

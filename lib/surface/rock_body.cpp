@@ -8,6 +8,9 @@
 #include "geometry/kd_tree.hpp"
 #include "geometry/winding_number.hpp"
 #include "surface/alpha_wrap.hpp"
+#include "surface/base_outline.hpp"
+#include "surface/cap_patch.hpp"
+#include "surface/implicit_surface.hpp"
 #include "surface/mesh_checks.hpp"
 #include "surface/top_surface.hpp"
 #include "surface/triangulation.hpp"
@@ -65,6 +68,30 @@ std::vector<Vec3> base_points(const BodyInput& input, double step) {
       }
   }
   return base;
+}
+
+// The contact given, or the foot of the rock where it was seen; the surface through the points and on its caps.
+FlaggedMesh implicit_body(const BodyInput& input, const BodyOptions& options, RockBody& body) {
+  FlaggedMesh nothing;
+  const double spacing = surface_spacing(input.points);
+  if (!(spacing > 0.0)) return nothing;
+  body.contact = input.contact;
+  body.contact_assumed = pad_outlines(body.contact).empty();
+  if (body.contact_assumed) body.contact = foot_outline(input.points, input.ground, spacing);
+  const bool patch = options.cap == "patch" || (options.cap == "auto" && !body.contact_assumed);
+  body.cap = patch ? survey::CapModel::patch : survey::CapModel::plane;
+  std::vector<CapPatch> caps;
+  for (const auto& ring : pad_outlines(body.contact))
+    caps.emplace_back(ring, body.cap, Vec3::UnitZ(), 0.8 * ImplicitSettings{}.step_factor * spacing);
+  double sigma = 0.0;
+  for (const auto& vertex : body.contact) sigma = std::max(sigma, vertex.sigma_m);
+  auto made = implicit_surface(input.points, caps, spacing, {});
+  body.point_spacing = spacing;
+  body.noise = made.noise;
+  body.cap_height_sigma = cap_height_sigma(caps, spacing, sigma);
+  if (made.stray_points > input.points.size() / 100) body.notes.emplace_back("stray_points");
+  if (made.pieces_dropped > 0) body.notes.emplace_back("pieces_dropped");
+  return std::move(made.surface);
 }
 
 // Every vertex moved inwards by `offset` along its area-weighted normal.
@@ -150,9 +177,13 @@ std::variant<RockBody, base::Reject> finish(FlaggedMesh flagged, RockBody body) 
 }  // namespace
 
 void BodyOptions::visit(base::OptionVisitor& visitor) {
-  visitor.choice("method", method, {"auto", "top", "wrap"}, "how the surface is closed");
-  visitor.integer("wrap-min-points", wrap_min_points, 4, 100'000'000, "fewest points for wrap under auto");
-  visitor.real("wrap-min-flanks", wrap_min_flanks, 0.0, 1.0, "least share of flanks seen for wrap under auto");
+  visitor.choice("method", method, {"auto", "implicit", "top", "wrap"}, "how the surface is closed");
+  visitor.choice("cap", cap, {"auto", "patch", "plane"}, "implicit: how the hidden base is closed");
+  visitor.integer("dense-min-points", dense_min_points, 4, 100'000'000, "fewest points for implicit under auto");
+  visitor.real("dense-min-flanks", dense_min_flanks, 0.0, 1.0,
+               "least share of flanks, or of the contact, seen for implicit under auto");
+  visitor.real("implicit-max-unseen", implicit_max_unseen, 0.0, 1.0,
+               "auto: greatest unseen share of an implicit surface");
   visitor.real("wrap-alpha-factor", wrap_alpha_factor, 1.0, 100.0, "alpha in point spacings");
   visitor.real("wrap-offset-factor", wrap_offset_factor, 0.05, 10.0, "offset in point spacings");
   visitor.real("rim-edge-factor", rim_edge_factor, 1.0, 1000.0,
@@ -160,28 +191,58 @@ void BodyOptions::visit(base::OptionVisitor& visitor) {
   visitor.real("clearance-m", clearance_m, 1e-6, 1.0, "top: least height of the surface above its cap");
 }
 
+namespace {
+
+std::variant<RockBody, base::Reject> build_wrap(const BodyInput& input, const BodyOptions& options) {
+  if (!(input.spacing > 0.0)) return reject("flat_points", "all points coincide");
+  RockBody body;
+  body.method = "wrap";
+  body.cap = survey::CapModel::wrap;
+  auto mesh = wrap_body(input, options, body.notes);
+  if (mesh.mesh.triangles.empty())
+    return reject("wrap_leaks", "the points leave gaps of more than a third of the rock");
+  return finish(std::move(mesh), std::move(body));
+}
+
+std::variant<RockBody, base::Reject> build_top(const BodyInput& input, const BodyOptions& options,
+                                               std::vector<std::string> notes) {
+  RockBody body;
+  body.method = "top";
+  body.notes = std::move(notes);
+  auto mesh = top_body(input, options);
+  if (mesh.mesh.triangles.empty()) return reject("flat_points", "the points span no area in plan");
+  return finish(std::move(mesh), std::move(body));
+}
+
+std::variant<RockBody, base::Reject> build_implicit(const BodyInput& input, const BodyOptions& options) {
+  RockBody body;
+  body.method = "implicit";
+  auto mesh = implicit_body(input, options, body);
+  if (mesh.mesh.triangles.empty()) return reject("implicit_unsupported", "the points enclose nothing");
+  return finish(std::move(mesh), std::move(body));
+}
+
+}  // namespace
+
 std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options) {
   if (input.points.size() < 4)
     return reject("too_few_points", std::to_string(input.points.size()) + " points, 4 needed");
   if (!(plan_spacing(input.points) > 0.0)) return reject("flat_points", "the points lie on one line in plan");
-  const bool dense = input.points.size() >= static_cast<std::size_t>(options.wrap_min_points) &&
-                     input.flanks_seen_share >= options.wrap_min_flanks && input.spacing > 0.0;
-  RockBody body;
-  body.method = options.method == "auto" ? (dense ? "wrap" : "top") : options.method;
-  if (body.method == "wrap") {
-    if (!(input.spacing > 0.0)) return reject("flat_points", "all points coincide");
-    auto mesh = wrap_body(input, options, body.notes);
-    if (!mesh.mesh.triangles.empty()) {
-      body.cap = survey::CapModel::wrap;
-      return finish(std::move(mesh), std::move(body));
-    }
-    if (options.method == "wrap") return reject("wrap_leaks", "the points leave gaps of more than a third of the rock");
-    body.notes.emplace_back("wrap_leaked");
-    body.method = "top";
-  }
-  auto mesh = top_body(input, options);
-  if (mesh.mesh.triangles.empty()) return reject("flat_points", "the points span no area in plan");
-  return finish(std::move(mesh), std::move(body));
+  if (options.method == "wrap") return build_wrap(input, options);
+  std::size_t observed = 0;
+  for (const auto& vertex : input.contact)
+    if (vertex.observed) ++observed;
+  const double contact_seen =
+      input.contact.empty() ? 0.0 : static_cast<double>(observed) / static_cast<double>(input.contact.size());
+  const bool dense = input.points.size() >= static_cast<std::size_t>(options.dense_min_points) &&
+                     std::max(input.flanks_seen_share, contact_seen) >= options.dense_min_flanks;
+  if (options.method == "top" || (options.method == "auto" && !dense)) return build_top(input, options, {});
+  auto built = build_implicit(input, options);
+  if (options.method == "implicit") return built;
+  if (const auto* body = std::get_if<RockBody>(&built);
+      body != nullptr && body->quality.unseen_area_fraction <= options.implicit_max_unseen)
+    return built;
+  return build_top(input, options, {"implicit_unsupported"});
 }
 
 std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh) {

@@ -12,20 +12,25 @@
 #include "base/reject.hpp"
 #include "geometry/mass_properties.hpp"
 #include "geometry/triangle_mesh.hpp"
+#include "survey/contact.hpp"
 #include "survey/rock.hpp"
 
 namespace cairn::surface {
 
 struct BodyOptions {
-  // "top": height field, skirt, cap (points from above); wrap: alpha wrapping (points all round);
-  // auto: wrap where there are at least wrap-min-points and the flanks were seen, else top.
+  // "implicit": smooth surface through points seen from all sides, cap on the contact line; "top": height field, skirt,
+  // cap (points from above); "wrap": alpha wrapping; "auto": implicit where there are at least dense-min-points and
+  // the flanks were seen, else top.
   std::string method = "auto";
-  std::int64_t wrap_min_points = 500;
-  double wrap_min_flanks = 0.75;    // share of azimuths whose flank was seen from the ground up
-  double wrap_alpha_factor = 4.0;   // alpha = this many spacings; grown while the wrap leaks into the rock
-  double wrap_offset_factor = 1.0;  // offset = this many spacings; taken off again afterwards
-  double rim_edge_factor = 5.0;     // top: outline edges longer than this many plan spacings are followed inwards
-  double clearance_m = 0.002;       // top: least height of the surface above its cap
+  // "patch": through the contact line; "plane": its best-fit plane; "auto": patch where a contact was given.
+  std::string cap = "auto";
+  std::int64_t dense_min_points = 500;
+  double dense_min_flanks = 0.5;  // share of azimuths whose flank was seen from the ground up, or of contact observed
+  double implicit_max_unseen = 0.75;  // auto: a surface of which more than this is made up, caps included, is not taken
+  double wrap_alpha_factor = 4.0;     // alpha = this many spacings; grown while the wrap leaks into the rock
+  double wrap_offset_factor = 1.0;    // offset = this many spacings; taken off again afterwards
+  double rim_edge_factor = 5.0;       // top: outline edges longer than this many plan spacings are followed inwards
+  double clearance_m = 0.002;         // top: least height of the surface above its cap
 
   void visit(base::OptionVisitor& visitor);
 };
@@ -35,6 +40,7 @@ struct BodyInput {
   std::function<double(const geometry::Vec2&)> ground;  // up of the ground at a plan position, m
   double spacing = 0.0;                                 // median distance to the nearest neighbour, m, > 0
   double flanks_seen_share = 0.0;                       // of the azimuths, 0..1: flank seen from the ground up
+  survey::Contact contact;                              // line on which the rock rests, the points' frame; may be empty
 };
 
 struct BodyQuality {
@@ -48,17 +54,25 @@ struct BodyQuality {
 struct RockBody {
   geometry::TriangleMesh mesh;
   std::vector<std::uint8_t> seen;  // a flag a triangle: 1 = supported by points
-  std::string method;              // "top" or "wrap"
+  std::string method;              // "implicit", "top", "wrap", or "given"
   survey::CapModel cap = survey::CapModel::plane;
   BodyQuality quality;
-  geometry::MassProperties mass;   // unit density
-  double hull_volume = 0.0;        // m^3, convex hull of the mesh: upper bound
-  std::vector<std::string> notes;  // codes: offset_kept, wrap_leaked, turned_outwards, self_intersecting
+  geometry::MassProperties mass;  // unit density
+  double hull_volume = 0.0;       // m^3, convex hull of the mesh: upper bound
+  double point_spacing = 0.0;     // m: square root of the area a point stands for; implicit only, else 0
+  double noise = 0.0;             // m: standard deviation of the points about the mesh; implicit only, else 0
+  double cap_height_sigma = 0.0;  // m: of the cap about the true base; 0 = not known
+  survey::Contact contact;        // the line the cap was laid through; assumed where the input had none
+  bool contact_assumed = true;
+  // Codes: implicit_unsupported, stray_points, pieces_dropped, offset_kept, wrap_leaked, turned_outwards,
+  // self_intersecting, unwelded, degenerate_triangles, holes_closed, base_closed.
+  std::vector<std::string> notes;
 };
 
 // Rejects (record left to the caller): too_few_points, flat_points (no area in plan or no volume), surface_not_closed,
-// self_intersecting, several_pieces, wrap_leaks (the points leave gaps of more than a third of the rock; under
-// `auto` the top surface is taken instead, with the note wrap_leaked): volumes of such meshes are never reported.
+// self_intersecting, several_pieces, wrap_leaks (the points leave gaps of more than a third of the rock),
+// implicit_unsupported (no closed surface from the points; under `auto` the top surface is taken, with a note):
+// volumes of such meshes are never reported.
 [[nodiscard]] std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options);
 
 // Quality, mass and hull of a mesh that is there already (welded, turned outwards where its volume is

@@ -83,8 +83,8 @@ struct PhotoView {
 // Rest on one point: stable while the rock's centre lies low enough over the two curvatures.
 struct RollingContact {
   double height_m = 0.0;                // centre of mass above the point
-  double rock_curvature_1_m = 0.0;      // greatest principal curvature of the rock at the point, convex > 0
-  double pedestal_curvature_1_m = 0.0;  // convex > 0, 0 = flat
+  double rock_curvature_1_m = 0.0;      // 1/m, greatest principal curvature of the rock at the point, convex > 0
+  double pedestal_curvature_1_m = 0.0;  // 1/m, convex > 0, 0 = flat
   bool stable = false;                  // 1/H > curvature of the rock + curvature of the pedestal
 };
 
@@ -94,10 +94,12 @@ struct TippingUncertainty {
   double slides_first_share = 0.0;  // of the standing ones, 0..1
   std::vector<NamedQuantiles> scalars;
   std::array<std::vector<double>, 5> a_qs_g_by_azimuth;  // 5, 16, 50, 84, 95 %: 360 values each, or none
-  std::vector<double> rose;                 // 36 values: share of draws whose critical azimuth lies in 0-10 deg, ..
-  std::vector<NamedValue> variance_shares;  // of alpha: contact, inner_contact, cap, mesh, density, vertical, scale, ..
-  std::vector<NamedValue> inputs;           // standard deviations and ranges drawn from, unit in the name
-  std::string draws_file;                   // joint draws, beside the record
+  std::vector<double> rose;  // 36 values: share of draws whose critical azimuth lies in 0-10 deg, ..
+  // One source at a time over the sum, of alpha on the rim: contact_seen, contact_inferred, cap, surface, density,
+  // vertical, scale; and of alpha on the bearing contact, with hidden_bearing.
+  std::vector<NamedValue> variance_shares, variance_shares_bearing;
+  std::vector<NamedValue> inputs;  // standard deviations and ranges drawn from, unit in the name
+  std::string draws_file;          // joint draws, beside the record
 
   [[nodiscard]] const Quantiles* find(std::string_view name) const {
     for (const auto& s : scalars)

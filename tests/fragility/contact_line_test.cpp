@@ -5,6 +5,7 @@
 #include "base/error.hpp"
 #include "fragility/assessment.hpp"
 #include "fragility/polar_plot.hpp"
+#include "fragility/subjects.hpp"
 #include "support/bodies.hpp"
 
 namespace cairn::fragility {
@@ -53,7 +54,7 @@ TEST(PolarPlot, DrawsAndRefuses) {
   evidence.contact_assumed = false;
   evidence.contact_observed_share = 1;
   const auto contact = contact_band(block(1, 1, 3), 0.02);
-  const auto good = assess(exact_block(1, 1, 3), contact, evidence, {});
+  const auto good = assess_points(exact_block(1, 1, 3), contact, evidence, {});
   const auto svg = polar_plot_svg(good.tipping, "rock <4>");
   EXPECT_EQ(svg.rfind("<svg", 0), 0U);
   EXPECT_NE(svg.find("rock &lt;4&gt;"), std::string::npos);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fragility/assessment.hpp"
+#include "fragility/subjects.hpp"
 #include "support/bodies.hpp"
 
 namespace cairn::fragility {
@@ -65,7 +66,7 @@ TEST(Assessment, NotMeasurableCarriesNoAngleAnywhere) {
   ASSERT_EQ(contact.size(), 4U);
   Evidence e = complete();
   e.points = 20;
-  const auto result = assess(mass, contact, e, {});
+  const auto result = assess_points(mass, contact, e, {});
   EXPECT_EQ(result.tipping.grade, Grade::not_measurable);
   EXPECT_FALSE(result.tipping.critical);
   EXPECT_TRUE(result.tipping.a_qs_g_by_azimuth.empty());
@@ -78,7 +79,7 @@ TEST(Assessment, NotMeasurableCarriesNoAngleAnywhere) {
 
 TEST(Assessment, PlumbPointOutsideIsNamed) {
   const std::vector<Vec3> contact = {{.2, -.5, 0}, {.5, -.5, 0}, {.5, .5, 0}, {.2, .5, 0}};
-  const auto result = assess(exact_block(1, 1, 3), contact, complete(), {});
+  const auto result = assess_points(exact_block(1, 1, 3), contact, complete(), {});
   EXPECT_EQ(result.tipping.grade, Grade::not_measurable);
   EXPECT_THAT(result.tipping.reasons, Contains("not_in_equilibrium"));
   EXPECT_FALSE(result.tipping.critical);
@@ -86,13 +87,13 @@ TEST(Assessment, PlumbPointOutsideIsNamed) {
 
 TEST(Assessment, MeasuredBlockAndSlidingSlab) {
   const std::vector<Vec3> contact = {{-.5, -.5, 0}, {.5, -.5, 0}, {.5, .5, 0}, {-.5, .5, 0}};
-  const auto slender = assess(exact_block(1, 1, 3), contact, complete(), {});
+  const auto slender = assess_points(exact_block(1, 1, 3), contact, complete(), {});
   EXPECT_EQ(slender.tipping.grade, Grade::measured);
   ASSERT_TRUE(slender.tipping.critical);
   EXPECT_NEAR(slender.tipping.critical->a_qs_g, 1.0 / 3.0, 1e-12);
   EXPECT_EQ(slender.tipping.a_qs_g_by_azimuth.size(), 360U);
   EXPECT_THAT(slender.tipping.reasons, IsEmpty());
-  const auto slab = assess(exact_block(1, 1, 1), contact, complete(), {});
+  const auto slab = assess_points(exact_block(1, 1, 1), contact, complete(), {});
   EXPECT_THAT(slab.tipping.reasons, Contains("slides_first"));
 }
 

@@ -201,6 +201,7 @@ void fill(survey::Tipping& t, base::Random& random) {
   for (auto& level : u.a_qs_g_by_azimuth) level = reals(random, 360);
   u.rose = reals(random, 36);
   u.variance_shares = {{"contact", 0.75}, {"vertical", 0.25}};
+  u.variance_shares_bearing = {{"hidden_bearing", 1.0}};
   u.inputs = {{"vertical_sigma_deg", 0.5}};
   u.draws_file = "12_draws.csv";
   t.uncertainty = u;
@@ -246,6 +247,7 @@ void expect_filled(const survey::Tipping& a, const survey::Tipping& b) {
   EXPECT_EQ(a.uncertainty->a_qs_g_by_azimuth, b.uncertainty->a_qs_g_by_azimuth);
   EXPECT_EQ(a.uncertainty->standing, b.uncertainty->standing);
   EXPECT_EQ(a.uncertainty->variance_shares[1].value, 0.25);
+  ASSERT_EQ(a.uncertainty->variance_shares_bearing.size(), 1U);
   EXPECT_EQ(a.uncertainty->draws_file, b.uncertainty->draws_file);
 }
 
