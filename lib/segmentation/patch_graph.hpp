@@ -14,7 +14,7 @@ struct PatchGraph {
   double step = 0.0;                     // edge of the cubes that became nodes, m
   std::vector<geometry::Vec3> position;  // mean of the points of a cube, m
   std::vector<std::uint32_t> weight;     // points in it
-  std::vector<geometry::Vec3> normal;    // unit, outward (towards the free side); see orient_normals
+  std::vector<geometry::Vec3> normal;    // unit; of either sign
   std::vector<float> planarity;          // 0 a blob, 1 a plane
   // How strongly the surface bends inwards over some 8 steps, 0 flat .. about 0.5 a narrow cleft; < 0 convex.
   std::vector<float> concavity;
@@ -35,9 +35,9 @@ struct PatchGraph {
 // Median distance from a point to its nearest neighbour, from up to 2000 of the points, m; 0 with fewer than 2.
 [[nodiscard]] double point_spacing(std::span<const geometry::Vec3> points);
 
-// Turns the normals outward, and then measures the concavity. Smooth pieces are made consistent along their smoothest
-// ways (a minimum spanning tree, Hoppe 1992); each piece then faces away from the vertical through `axis` and
-// a little upwards, as what can be seen of a rock and its foot does; pieces in doubt follow their neighbours.
-void orient_normals(PatchGraph& graph, const geometry::Vec2& axis);
+// Sets `concavity`: how far the middle of the neighbours lies off a node, over their reach, along the way from the
+// vertical through `axis` and a little upwards. What is concave opens that way, and so do the edges of what could be
+// seen of a cleft; no normals are asked. Averaged over the near neighbours.
+void measure_concavity(PatchGraph& graph, const geometry::Vec2& axis);
 
 }  // namespace cairn::segmentation
