@@ -1,6 +1,5 @@
 #include "segmentation/patch_graph.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -13,13 +12,10 @@
 namespace cairn::segmentation {
 namespace {
 
-using geometry::Mat3;
 using geometry::Vec3;
 
-constexpr double kPairReach = 2.5;       // steps
-constexpr double kNormalReach = 2.5;     // steps
-constexpr double kConcavityReach = 4.0;  // steps: half the width over which a bend is felt
-constexpr double kSmoothReach = 1.5;     // steps
+constexpr double kPairReach = 2.0;       // steps
+constexpr double kSmoothShare = 0.35;  // of the reach
 constexpr std::size_t kGrain = 512;
 
 struct Neighbours {
@@ -78,35 +74,6 @@ std::array<std::int64_t, 3> cube_of(const Vec3& p, double step) {
           static_cast<std::int64_t>(std::floor(p.z() / step))};
 }
 
-void fit_normals(PatchGraph& graph, const Neighbours& near) {
-  const std::size_t n = graph.size();
-  graph.normal.assign(n, Vec3::UnitZ());
-  graph.planarity.assign(n, 0.0F);
-  base::parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const auto neighbours = near.of(i);
-      if (neighbours.size() < 3) continue;
-      double total = graph.weight[i];
-      Vec3 mean = total * graph.position[i];
-      for (const auto j : neighbours) total += graph.weight[j], mean += graph.weight[j] * graph.position[j];
-      mean /= total;
-      Mat3 scatter = Mat3::Zero();
-      const auto add = [&](std::size_t j) {
-        const Vec3 d = graph.position[j] - mean;
-        scatter += graph.weight[j] * d * d.transpose();
-      };
-      add(i);
-      for (const auto j : neighbours) add(j);
-      Eigen::SelfAdjointEigenSolver<Mat3> solver;
-      solver.computeDirect(scatter);
-      graph.normal[i] = solver.eigenvectors().col(0).normalized();
-      const auto& l = solver.eigenvalues();
-      graph.planarity[i] = static_cast<float>(l[1] > 0.0 ? std::clamp(1.0 - l[0] / l[1], 0.0, 1.0) : 0.0);
-      if (!graph.normal[i].allFinite()) graph.normal[i] = Vec3::UnitZ();
-    }
-  });
-}
-
 Neighbours neighbours_within(const PatchGraph& graph, double reach) {
   std::vector<std::array<std::int64_t, 3>> cubes;
   cubes.reserve(graph.size());
@@ -150,23 +117,21 @@ PatchGraph build_patch_graph(std::span<const Vec3> points, double step) {
       sum += points[keyed[k].point] - points[keyed[first].point];
       graph.node_of[keyed[k].point] = static_cast<std::uint32_t>(graph.position.size());
     }
-    const auto count = static_cast<std::uint32_t>(k - first);
+    const auto count = static_cast<double>(k - first);
     graph.position.push_back(points[keyed[first].point] + sum / count);
-    graph.weight.push_back(count);
   }
-  const auto near = neighbours_within(graph, std::max(kPairReach, kNormalReach));
-  fit_normals(graph, near);
+  const auto near = neighbours_within(graph, kPairReach);
   for (std::uint32_t i = 0; i < graph.size(); ++i)
     for (const auto j : near.of(i))
       if (i < j) graph.pairs.push_back({i, j});
   return graph;
 }
 
-void measure_concavity(PatchGraph& graph, const geometry::Vec2& axis) {
+void measure_concavity(PatchGraph& graph, const geometry::Vec2& axis, double reach) {
   constexpr double kUpward = 0.3;  // of the way out: rise over run
   const std::size_t n = graph.size();
-  const auto wide = neighbours_within(graph, kConcavityReach);
-  const auto near = neighbours_within(graph, kSmoothReach);
+  const auto wide = neighbours_within(graph, reach / graph.step);
+  const auto near = neighbours_within(graph, kSmoothShare * reach / graph.step);
   std::vector<double> raw(n, 0.0);
   base::parallel_for(n, kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -177,7 +142,7 @@ void measure_concavity(PatchGraph& graph, const geometry::Vec2& axis) {
       const geometry::Vec2 out = graph.position[i].head<2>() - axis;
       const double length = std::max(out.norm(), 1e-9);
       const Vec3 way = Vec3(out.x() / length, out.y() / length, kUpward).normalized();
-      raw[i] = sum.dot(way) / (static_cast<double>(neighbours.size() + 1) * kConcavityReach * graph.step);
+      raw[i] = sum.dot(way) / (static_cast<double>(neighbours.size() + 1) * reach);
     }
   });
   graph.concavity.assign(n, 0.0F);

@@ -32,6 +32,7 @@ struct Cut {
   double concavity = 0.0;          // mean along the cut
   double height = 0.0;             // of the cut above the ground, mean
   Vec2 middle = Vec2::Zero();
+  double top = 0.0;                // share of the height that was taken for rock from the start
   bool any = false;
   [[nodiscard]] double worth(double ground_height) const {
     return height < ground_height ? kFootDiscount * concavity : concavity;
@@ -48,16 +49,11 @@ class Patch {
     result_.probability.assign(in_.points.size(), 0.0F);
     if (!gather() || !find_ground()) return;
     build();
-    measure_concavity(graph_, in_.centre);
-    weigh_pairs();
-    Cut cut = best_cut();
-    if (cut.any) {
-      // Once more about the foot's own middle, which tells outward better.
-      measure_concavity(graph_, cut.middle);
-      weigh_pairs();
-      if (Cut second = best_cut(); second.any && second.worth(foot_height_) >= 0.9 * cut.worth(foot_height_))
+    Cut cut = best_cut(in_.centre);
+    // Once more about the foot's own middle, which tells outward better.
+    if (cut.any)
+      if (Cut second = best_cut(cut.middle, cut.top - 0.15, cut.top + 0.15); second.any && second.worth(foot_height_) >= 0.9 * cut.worth(foot_height_))
         cut = std::move(second);
-    }
     if (!cut.any || cut.concavity < options_.least_concavity) {
       fail("no_contact", "no crease closes around a foot (mean bend " + base::to_fixed(cut.concavity, 3) + ", " +
                              base::to_fixed(options_.least_concavity, 3) + " needed)");
@@ -66,6 +62,7 @@ class Patch {
     result_.concavity = cut.concavity;
     rock_ = std::move(cut.rock);
     pedestal_ = cut.height < foot_height_ ? std::vector<std::uint8_t>(graph_.size(), 0) : find_pedestal();
+    refine(cut.middle);
     locate_contact();
     label_points();
   }
@@ -163,6 +160,7 @@ class Patch {
       step *= 1.05 * std::sqrt(static_cast<double>(graph_.size()) / static_cast<double>(options_.max_nodes));
       graph_ = build_patch_graph(points_, step);
     }
+    reach_ = std::max(options_.bend_reach_spacings * result_.spacing, 2.0 * step);
     const std::size_t n = graph_.size();
     height_.resize(n), off_axis_.resize(n), known_.assign(n, 0);
     std::vector<double> heights;
@@ -175,21 +173,22 @@ class Patch {
       for (const auto& near : tree.within(pick.position, 1.5 * graph_.step)) known_[near.index] = pick.rock ? 1 : 2;
   }
 
-  void weigh_pairs() {
-    edges_.clear();
-    edges_.reserve(graph_.pairs.size());
-    for (const auto& p : graph_.pairs) {
+  [[nodiscard]] std::vector<CutEdge> weigh_pairs(const PatchGraph& graph) const {
+    std::vector<CutEdge> edges;
+    edges.reserve(graph.pairs.size());
+    for (const auto& p : graph.pairs) {
       const double bend =
-          0.5 * (static_cast<double>(graph_.concavity[p.a]) + static_cast<double>(graph_.concavity[p.b]));
+          0.5 * (static_cast<double>(graph.concavity[p.a]) + static_cast<double>(graph.concavity[p.b]));
       const auto cost = static_cast<float>(std::exp(-std::max(0.0, bend) / options_.concavity_scale));
-      const double length = (graph_.position[p.a] - graph_.position[p.b]).norm() / graph_.step;
-      edges_.push_back({p.a, p.b, std::max(kLeastCapacity, cost) / static_cast<float>(std::max(length, 0.3))});
+      const double length = (graph.position[p.a] - graph.position[p.b]).norm() / graph.step;
+      edges.push_back({p.a, p.b, std::max(kLeastCapacity, cost) / static_cast<float>(std::max(length, 0.3))});
     }
+    return edges;
   }
 
   // The cheapest cut between nodes that are rock (1) and nodes that are not (2); 0 = open.
-  Cut cut_between(const std::vector<std::uint8_t>& state) const {
-    const std::size_t n = graph_.size();
+  static std::vector<std::uint8_t> cheapest(const std::vector<CutEdge>& edges, const std::vector<std::uint8_t>& state) {
+    const std::size_t n = state.size();
     std::vector<std::uint32_t> id(n, kNowhere);
     std::vector<float> source, sink;
     for (std::size_t i = 0; i < n; ++i)
@@ -198,7 +197,7 @@ class Patch {
         source.push_back(0.0F), sink.push_back(0.0F);
       }
     std::vector<CutEdge> open;
-    for (const auto& e : edges_) {
+    for (const auto& e : edges) {
       if (id[e.a] != kNowhere && id[e.b] != kNowhere) {
         open.push_back({id[e.a], id[e.b], e.capacity});
       } else if (id[e.a] != kNowhere || id[e.b] != kNowhere) {
@@ -207,9 +206,14 @@ class Patch {
       }
     }
     const auto side = minimum_cut(source.size(), open, source, sink);
+    std::vector<std::uint8_t> rock(n);
+    for (std::size_t i = 0; i < n; ++i) rock[i] = id[i] != kNowhere ? side[id[i]] : state[i] == 1 ? 1 : 0;
+    return rock;
+  }
+
+  [[nodiscard]] Cut cut_between(const std::vector<std::uint8_t>& state) const {
     Cut cut;
-    cut.rock.resize(n);
-    for (std::size_t i = 0; i < n; ++i) cut.rock[i] = id[i] != kNowhere ? side[id[i]] : state[i] == 1 ? 1 : 0;
+    cut.rock = cheapest(edges_, state);
     double total = 0.0;
     for (const auto& e : edges_) {
       if (cut.rock[e.a] == cut.rock[e.b]) continue;
@@ -227,10 +231,13 @@ class Patch {
     return cut;
   }
 
-  Cut best_cut() const {
+  Cut best_cut(const Vec2& axis, double from = 0.1, double to = 0.9) {
+    measure_concavity(graph_, axis, reach_);
+    edges_ = weigh_pairs(graph_);
     const double inner = in_.radius + options_.margin_m;
     Cut best;
-    for (double top = 0.95; top > 0.1; top -= kBandStep) {
+    for (double top = 0.85; top > 0.1; top -= kBandStep) {
+      if (top < from || top > to) continue;
       const double upper = top * result_.height, lower = (top - kBandWidth) * result_.height;
       std::vector<std::uint8_t> state(graph_.size(), 0);
       for (std::size_t i = 0; i < state.size(); ++i) {
@@ -239,6 +246,7 @@ class Patch {
         else if (off_axis_[i] <= in_.radius && height_[i] > upper) state[i] = 1;
       }
       Cut cut = cut_between(state);
+      cut.top = top;
       if (trace != nullptr) trace(top, cut.concavity, cut.height, foot_height_, cut.rock, graph_);
       if (cut.any && (!best.any || cut.worth(foot_height_) > best.worth(foot_height_))) best = std::move(cut);
     }
@@ -260,12 +268,46 @@ class Patch {
     return cut.rock;
   }
 
-  void locate_contact() {
-    std::vector<Side> sides(points_.size());
+  // The points near the cut at twice the resolution.
+  void refine(const Vec2& axis) {
+    sides_.resize(points_.size());
     for (std::size_t i = 0; i < points_.size(); ++i)
-      sides[i] = rock_[graph_.node_of[i]] != 0 ? Side::rock : Side::other;
+      sides_[i] = rock_[graph_.node_of[i]] != 0 ? Side::rock : Side::other;
+    const std::size_t n = graph_.size();
+    std::vector<std::uint8_t> border(n, 0);
+    std::vector<Vec3> places;
+    for (const auto& e : edges_)
+      if (rock_[e.a] != rock_[e.b])
+        for (const auto i : {e.a, e.b})
+          if (border[i] == 0) border[i] = 1, places.push_back(graph_.position[i]);
+    if (places.empty()) return;
+    const geometry::KdTree tree(places);
+    const double free = 2.0 * graph_.step, outer = free + reach_ + graph_.step;
+    std::vector<std::uint8_t> near(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const double d = std::sqrt(tree.nearest(graph_.position[i], 1).front().squared_distance);
+      near[i] = d <= free ? 2 : d <= outer ? 1 : 0;
+    }
+    std::vector<Vec3> points;
+    std::vector<std::uint32_t> which;
+    for (std::uint32_t i = 0; i < points_.size(); ++i)
+      if (near[graph_.node_of[i]] != 0) points.push_back(points_[i]), which.push_back(i);
+    PatchGraph fine = build_patch_graph(points, 0.5 * graph_.step);
+    measure_concavity(fine, axis, std::max(0.75 * reach_, 2.0 * fine.step));
+    std::vector<std::uint8_t> state(fine.size(), 0);
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      const std::uint32_t coarse = graph_.node_of[which[k]];
+      if (known_[coarse] != 0) state[fine.node_of[k]] = known_[coarse];
+      else if (near[coarse] == 1) state[fine.node_of[k]] = rock_[coarse] != 0 ? 1 : 2;
+    }
+    const auto rock = cheapest(weigh_pairs(fine), state);
+    for (std::size_t k = 0; k < which.size(); ++k)
+      sides_[which[k]] = rock[fine.node_of[k]] != 0 ? Side::rock : Side::other;
+  }
+
+  void locate_contact() {
     if (in_.contact.empty()) {
-      result_.line = fit_contact(points_, sides, result_.spacing);
+      result_.line = fit_contact(points_, sides_, result_.spacing);
       result_.contact = result_.line.contact();
       result_.noise = result_.line.residual;
       const double seen = result_.line.observed_share();
@@ -273,7 +315,7 @@ class Patch {
     } else {
       result_.contact = in_.contact;
     }
-    if (result_.concavity < 1.5 * options_.least_concavity) result_.notes.emplace_back("weak_contact");
+    if (result_.concavity < 1.3 * options_.least_concavity) result_.notes.emplace_back("weak_contact");
   }
 
   void label_points() {
@@ -284,7 +326,7 @@ class Patch {
     const double sure = 1.0 - 0.5 * std::exp(-result_.concavity / 0.03);
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const std::uint32_t node = graph_.node_of[i];
-      bool rock = rock_[node] != 0;
+      bool rock = sides_[i] == Side::rock;
       double distance = std::numeric_limits<double>::infinity(), sigma = spacing;
       if (!vertices.empty()) {
         const auto near = tree.nearest(points_[i], 1).front();
@@ -323,7 +365,9 @@ class Patch {
   std::vector<double> height_, off_axis_;  // of the nodes: above the ground, from the cylinder's axis, m
   std::vector<std::uint8_t> known_;        // picks: 1 rock, 2 not
   std::vector<CutEdge> edges_;
-  std::vector<std::uint8_t> rock_, pedestal_;
+  std::vector<std::uint8_t> rock_, pedestal_;  // of the nodes
+  std::vector<Side> sides_;                    // of the points
+  double reach_ = 0.0;                         // over which a bend is felt, m
   double foot_height_ = 0.1;  // creases below this height lie on the ground, m
 };
 

@@ -17,8 +17,9 @@
 namespace cairn::segmentation {
 
 struct RockPatchOptions {
-  double step_spacings = 2.5;       // working resolution over the spacing of the points
-  std::int64_t max_nodes = 60'000;  // the working resolution is made coarser until the patch has no more
+  double step_spacings = 2.7;         // first resolution over the spacing of the points; the second is half of it
+  std::int64_t max_nodes = 60'000;    // the first resolution is made coarser until the patch has no more
+  double bend_reach_spacings = 10.0;  // over which a bend is felt, either way
   double margin_m = 0.25;           // beyond the radius everything is known to be no rock from here on
   double min_height_m = 0.15;       // what stands less above its surroundings is no rock
   double concavity_scale = 0.05;    // bend at which the cost of a cut falls to 1 / e
