@@ -130,7 +130,8 @@ std::vector<Sample> isprs_samples(const fs::path& folder) {
       sample.truth.push_back(at == ground.end() ? 1 : 0);
       if (at != ground.end()) ground.erase(at);
     }
-    if (!ground.empty()) std::printf("%s: %zu ground points are not in the cloud\n", sample.name.c_str(), ground.size());
+    if (!ground.empty())
+      std::printf("%s: %zu ground points are not in the cloud\n", sample.name.c_str(), ground.size());
     samples.push_back(std::move(sample));
   }
   return samples;
@@ -196,9 +197,8 @@ int isprs(const fs::path& folder, bool pcl, const GroundFilterOptions& options, 
     const auto best_kappa = tuned([](const auto& s) { return s.second; });
     for (const auto& o : {best, best_kappa}) {
       std::printf("PCL cell %g window %d %s slope %g initial %g max %g\n", static_cast<double>(o.cell), o.max_window,
-                  o.exponential ? "exponential" : "linear",
-                  static_cast<double>(o.slope), static_cast<double>(o.initial_distance),
-                  static_cast<double>(o.max_distance));
+                  o.exponential ? "exponential" : "linear", static_cast<double>(o.slope),
+                  static_cast<double>(o.initial_distance), static_cast<double>(o.max_distance));
       const auto [total, kappa] =
           over_all(samples, "PCL", true, [&](const auto& p) { return cairn::bench::pcl_objects(p, o); });
       std::printf("PCL mean: total %.2f %%  kappa %.2f %%\n", 100 * total, 100 * kappa);
@@ -206,8 +206,7 @@ int isprs(const fs::path& folder, bool pcl, const GroundFilterOptions& options, 
   }
   if (std::getenv("DUMP"))
     for (const auto& s : samples) dump(s, options);
-  const auto [total, kappa] =
-      over_all(samples, "cairn", each, [&](const auto& p) { return objects(p, options); });
+  const auto [total, kappa] = over_all(samples, "cairn", each, [&](const auto& p) { return objects(p, options); });
   std::printf("cairn mean: total %.2f %%  kappa %.2f %%\n", 100 * total, 100 * kappa);
   return 0;
 }
@@ -222,10 +221,8 @@ int main(int argc, char** argv) {
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     const auto equals = argument.find('=');
-    if (argument == "pcl")
-      pcl = true;
-    else if (argument == "mean")
-      each = false;
+    if (argument == "pcl") pcl = true;
+    else if (argument == "mean") each = false;
     else if (equals != std::string::npos)
       cairn::base::set_option(cairn::base::bind_options(options), argument.substr(0, equals),
                               argument.substr(equals + 1));
