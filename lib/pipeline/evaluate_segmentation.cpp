@@ -184,10 +184,9 @@ void read_rocks(const fs::path& path, FoundRocks& rocks) {
   }
 }
 
-void make_bodies(const fs::path& labelled, FoundRocks& rocks, base::RunContext& ctx) {
+void make_bodies(const SurfaceFiles& files, FoundRocks& rocks, base::RunContext& ctx) {
   const base::StagedFolder scratch(fs::temp_directory_path() / ("cairn_evaluate_" + std::to_string(::getpid())));
-  const auto cloud = io::read_cloud(labelled).cloud;
-  (void)surface_rocks(cloud, {}, "coordinates of the cloud [m], z up", scratch.path(), {}, ctx);
+  (void)surface_file(files, scratch.path(), {}, ctx);
   read_bodies(scratch.path(), rocks);
 }
 
@@ -345,7 +344,7 @@ Json rock_json(const evaluation::RockOverlap& rock, const FoundRocks& found, con
 FoundRocks found_rocks(const EvaluateSegmentationInputs& in, bool bodies_wanted, base::RunContext& ctx) {
   FoundRocks rocks;
   if (!in.rocks.empty()) read_rocks(in.rocks, rocks);
-  else if (bodies_wanted) make_bodies(in.labelled, rocks, ctx);
+  else if (bodies_wanted) make_bodies({in.labelled, in.contact}, rocks, ctx);
   fs::path contact = in.contact;
   if (contact.empty()) {
     contact = in.labelled;

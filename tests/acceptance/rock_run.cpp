@@ -168,7 +168,7 @@ Json run_rock(std::uint64_t seed, const RockRunOptions& options, base::RunContex
   fs::create_directories(folder / "surface");
   fs::create_directories(folder / "fragility");
   good = step(line, "surface", [&] {
-    note_rejects(line, "surface", pipeline::surface_file(folder / "labelled.las", folder / "surface", {}, ctx));
+    note_rejects(line, "surface", pipeline::surface_file({folder / "labelled.las", {}}, folder / "surface", {}, ctx));
   });
   good = good && step(line, "fragility", [&] {
            pipeline::FragilityFiles in;
