@@ -14,7 +14,7 @@ namespace {
 
 using geometry::Vec3;
 
-constexpr double kPairReach = 2.0;       // steps
+constexpr double kPairReach = 2.0;     // steps
 constexpr double kSmoothShare = 0.35;  // of the reach
 constexpr std::size_t kGrain = 512;
 

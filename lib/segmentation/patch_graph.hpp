@@ -33,8 +33,8 @@ struct PatchGraph {
 [[nodiscard]] double point_spacing(std::span<const geometry::Vec3> points);
 
 // Sets `concavity`: how far the middle of the neighbours lies off a node, over their reach, along the way from the
-// vertical through `axis` and a little upwards; reach: m. What is concave opens that way, and so do the edges of what could be
-// seen of a cleft; no normals are asked. Averaged over the near neighbours.
+// vertical through `axis` and a little upwards; reach: m. What is concave opens that way, and so do the edges of what
+// could be seen of a cleft; no normals are asked. Averaged over the near neighbours.
 void measure_concavity(PatchGraph& graph, const geometry::Vec2& axis, double reach);
 
 }  // namespace cairn::segmentation

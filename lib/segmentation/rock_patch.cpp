@@ -32,7 +32,7 @@ struct Cut {
   double concavity = 0.0;          // mean along the cut
   double height = 0.0;             // of the cut above the ground, mean
   Vec2 middle = Vec2::Zero();
-  double top = 0.0;                // share of the height that was taken for rock from the start
+  double top = 0.0;  // share of the height that was taken for rock from the start
   bool any = false;
   [[nodiscard]] double worth(double ground_height) const {
     return height < ground_height ? kFootDiscount * concavity : concavity;
@@ -47,12 +47,13 @@ class Patch {
   void run() {
     result_.labels.assign(in_.points.size(), Label::unlabelled);
     result_.probability.assign(in_.points.size(), 0.0F);
-    if (!gather() || !find_ground()) return;
+    if (!gather() || !find_ground() || !is_surface()) return;
     build();
     Cut cut = best_cut(in_.centre);
     // Once more about the foot's own middle, which tells outward better.
     if (cut.any)
-      if (Cut second = best_cut(cut.middle, cut.top - 0.15, cut.top + 0.15); second.any && second.worth(foot_height_) >= 0.9 * cut.worth(foot_height_))
+      if (Cut second = best_cut(cut.middle, cut.top - 0.15, cut.top + 0.15);
+          second.any && second.worth(foot_height_) >= 0.9 * cut.worth(foot_height_))
         cut = std::move(second);
     if (!cut.any || cut.concavity < options_.least_concavity) {
       fail("no_contact", "no crease closes around a foot (mean bend " + base::to_fixed(cut.concavity, 3) + ", " +
@@ -153,6 +154,36 @@ class Patch {
     return true;
   }
 
+  // Rocks have a skin; shrubs and noise fill a volume.
+  bool is_surface() {
+    constexpr std::size_t kSample = 400, kNeighbours = 20;
+    constexpr double kThick = 0.12;      // least over the sum of the scatter's eigenvalues: a ball has a third
+    constexpr double kThickShare = 0.5;  // of the points
+    std::vector<Vec3> high;
+    for (const Vec3& p : points_)
+      if ((p.head<2>() - in_.centre).norm() <= in_.radius && result_.ground.height_above(p) > options_.min_height_m)
+        high.push_back(p);
+    const geometry::KdTree tree(high);
+    const std::size_t stride = std::max<std::size_t>(1, high.size() / kSample);
+    std::size_t asked = 0, thick = 0;
+    for (std::size_t i = 0; i < high.size(); i += stride, ++asked) {
+      // Wide enough that noise across the skin does not count.
+      const double reach = 5.0 * result_.spacing;
+      auto near = tree.within(high[i], reach);
+      if (near.size() < kNeighbours) near = tree.nearest(high[i], kNeighbours);
+      Vec3 mean = Vec3::Zero();
+      for (const auto& q : near) mean += high[q.index] / static_cast<double>(near.size());
+      geometry::Mat3 scatter = geometry::Mat3::Zero();
+      for (const auto& q : near) scatter += (high[q.index] - mean) * (high[q.index] - mean).transpose();
+      const Eigen::SelfAdjointEigenSolver<geometry::Mat3> solver(scatter, Eigen::EigenvaluesOnly);
+      thick += solver.eigenvalues()[0] > kThick * scatter.trace();
+    }
+    thick_share_ = asked == 0 ? 0.0 : static_cast<double>(thick) / static_cast<double>(asked);
+    if (thick_share_ <= kThickShare) return true;
+    fail("not_a_surface", base::to_fixed(100.0 * thick_share_, 0) + " % of its points lie in a volume, not on a skin");
+    return false;
+  }
+
   void build() {
     double step = options_.step_spacings * result_.spacing;
     graph_ = build_patch_graph(points_, step);
@@ -163,11 +194,14 @@ class Patch {
     reach_ = std::max(options_.bend_reach_spacings * result_.spacing, 2.0 * step);
     const std::size_t n = graph_.size();
     height_.resize(n), off_axis_.resize(n), known_.assign(n, 0);
-    std::vector<double> heights;
     for (std::size_t i = 0; i < n; ++i) {
       height_[i] = result_.ground.height_above(graph_.position[i]);
       off_axis_[i] = (graph_.position[i].head<2>() - in_.centre).norm();
     }
+    others_.assign(n, std::numeric_limits<double>::infinity());
+    for (const auto& other : in_.others)
+      for (std::size_t i = 0; i < n; ++i)
+        others_[i] = std::min(others_[i], (graph_.position[i].head<2>() - other.centre).norm() / other.radius);
     const geometry::KdTree tree(graph_.position);
     for (const auto& pick : in_.picks)
       for (const auto& near : tree.within(pick.position, 1.5 * graph_.step)) known_[near.index] = pick.rock ? 1 : 2;
@@ -177,8 +211,7 @@ class Patch {
     std::vector<CutEdge> edges;
     edges.reserve(graph.pairs.size());
     for (const auto& p : graph.pairs) {
-      const double bend =
-          0.5 * (static_cast<double>(graph.concavity[p.a]) + static_cast<double>(graph.concavity[p.b]));
+      const double bend = 0.5 * (static_cast<double>(graph.concavity[p.a]) + static_cast<double>(graph.concavity[p.b]));
       const auto cost = static_cast<float>(std::exp(-std::max(0.0, bend) / options_.concavity_scale));
       const double length = (graph.position[p.a] - graph.position[p.b]).norm() / graph.step;
       edges.push_back({p.a, p.b, std::max(kLeastCapacity, cost) / static_cast<float>(std::max(length, 0.3))});
@@ -243,11 +276,12 @@ class Patch {
       for (std::size_t i = 0; i < state.size(); ++i) {
         if (known_[i] != 0) state[i] = known_[i];
         else if (off_axis_[i] > inner || height_[i] < lower || height_[i] < -foot_height_) state[i] = 2;
-        else if (off_axis_[i] <= in_.radius && height_[i] > upper) state[i] = 1;
+        else if (others_[i] < 0.5) state[i] = 2;
+        else if (off_axis_[i] <= in_.radius && height_[i] > upper && others_[i] > off_axis_[i] / in_.radius)
+          state[i] = 1;
       }
       Cut cut = cut_between(state);
       cut.top = top;
-      if (trace != nullptr) trace(top, cut.concavity, cut.height, foot_height_, cut.rock, graph_);
       if (cut.any && (!best.any || cut.worth(foot_height_) > best.worth(foot_height_))) best = std::move(cut);
     }
     return best;
@@ -351,9 +385,6 @@ class Patch {
     }
   }
 
- public:
-  void (*trace)(double, double, double, double, const std::vector<std::uint8_t>&, const PatchGraph&) = nullptr;
-
  private:
   const PatchInput& in_;
   const RockPatchOptions& options_;
@@ -361,19 +392,19 @@ class Patch {
   std::vector<std::uint32_t> index_;  // of points_ in the input
   std::vector<Vec3> points_;
   std::size_t distinct_ = 0;
+  double thick_share_ = 0.0;
   PatchGraph graph_;
   std::vector<double> height_, off_axis_;  // of the nodes: above the ground, from the cylinder's axis, m
+  std::vector<double> others_;             // of the nodes: from the nearest other rock, over its radius
   std::vector<std::uint8_t> known_;        // picks: 1 rock, 2 not
   std::vector<CutEdge> edges_;
   std::vector<std::uint8_t> rock_, pedestal_;  // of the nodes
   std::vector<Side> sides_;                    // of the points
   double reach_ = 0.0;                         // over which a bend is felt, m
-  double foot_height_ = 0.1;  // creases below this height lie on the ground, m
+  double foot_height_ = 0.1;                   // creases below this height lie on the ground, m
 };
 
 }  // namespace
-
-void (*g_trace)(double, double, double, double, const std::vector<std::uint8_t>&, const PatchGraph&) = nullptr;
 
 void RockPatchOptions::visit(base::OptionVisitor& visitor) {
   visitor.real("step-spacings", step_spacings, 1.0, 20.0, "working resolution over the spacing of the points");
@@ -388,7 +419,6 @@ void RockPatchOptions::visit(base::OptionVisitor& visitor) {
 PatchResult segment_patch(const PatchInput& input, const RockPatchOptions& options) {
   PatchResult result;
   Patch patch(input, options, result);
-  patch.trace = g_trace;
   patch.run();
   return result;
 }

@@ -20,11 +20,11 @@ struct RockPatchOptions {
   double step_spacings = 2.7;         // first resolution over the spacing of the points; the second is half of it
   std::int64_t max_nodes = 60'000;    // the first resolution is made coarser until the patch has no more
   double bend_reach_spacings = 10.0;  // over which a bend is felt, either way
-  double margin_m = 0.25;           // beyond the radius everything is known to be no rock from here on
-  double min_height_m = 0.15;       // what stands less above its surroundings is no rock
-  double concavity_scale = 0.05;    // bend at which the cost of a cut falls to 1 / e
-  double least_concavity = 0.045;   // mean bend along the contact below which no contact was found
-  std::int64_t min_points = 200;    // fewer points on the rock: rejected
+  double margin_m = 0.25;             // beyond the radius everything is known to be no rock from here on
+  double min_height_m = 0.15;         // what stands less above its surroundings is no rock
+  double concavity_scale = 0.05;      // bend at which the cost of a cut falls to 1 / e
+  double least_concavity = 0.045;     // mean bend along the contact below which no contact was found
+  std::int64_t min_points = 200;      // fewer points on the rock: rejected
 
   void visit(base::OptionVisitor& visitor);
 };
@@ -35,17 +35,25 @@ struct RockPick {
   bool rock = true;
 };
 
+// Another rock nearby: what is nearer to it (over its radius) is not this rock.
+struct OtherRock {
+  geometry::Vec2 centre = geometry::Vec2::Zero();  // m
+  double radius = 0.0;                             // m, > 0
+};
+
 struct PatchInput {
   std::span<const geometry::Vec3> points;          // m, z up; those that are not finite are left out
   geometry::Vec2 centre = geometry::Vec2::Zero();  // of an upright cylinder that holds the rock
   double radius = 0.0;                             // of it, m, > 0
   std::vector<RockPick> picks;                     // obeyed
-  survey::Contact contact;                         // digitised: taken as it stands; empty = to be found
+  std::vector<OtherRock> others;
+  survey::Contact contact;  // digitised: taken as it stands; empty = to be found
 };
 
 struct PatchResult {
   // Why there is no rock here; "" = there is. no_points, two_points, planar, ground_not_seen, not_above_ground,
-  // no_contact (no crease closes around a foot), too_few_points.
+  // not_a_surface (points all through a volume: shrubs, noise), no_contact (no crease closes around a foot),
+  // too_few_points.
   std::string reason, message;
   std::vector<Label> labels;       // one a point; unlabelled where the patch does not reach
   std::vector<float> probability;  // of the label given, 0..1
