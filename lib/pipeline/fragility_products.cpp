@@ -48,10 +48,18 @@ io::Json edge_json(const survey::TippingEdge& e, double mass) {
                            {"critical_share", e.critical_share}});
 }
 
-io::Json variants_json(const std::vector<survey::TippingVariant>& variants, const std::string& key) {
+io::Json pad_number(double value) {
+  return static_cast<std::int64_t>(value);
+}
+io::Json gap_width(double value) {
+  return value;
+}
+
+io::Json variants_json(const std::vector<survey::TippingVariant>& variants, const std::string& key,
+                       io::Json (*number)(double)) {
   io::Json list = io::Json::array();
   for (const auto& v : variants)
-    list.push(io::Json::object({{key, v.value},
+    list.push(io::Json::object({{key, number(v.value)},
                                 {"alpha_min_deg", degrees(v.alpha_rad)},
                                 {"topple_toward_deg", v.azimuth_deg ? io::Json(*v.azimuth_deg) : io::Json()},
                                 {"reason", v.reason}}));
@@ -120,8 +128,8 @@ void set_tipping(io::Json& json, const survey::Rock& rock, const std::string& no
   json.set("friction", t.friction);
   json.set("slides_first", t.slides_first);
   json.set("a_qs_g_by_azimuth", t.a_qs_g_by_azimuth);
-  json.set("without_pad", variants_json(t.without_pad, "pad"));
-  json.set("by_gap", variants_json(t.gaps, "gap_m"));
+  json.set("without_pad", variants_json(t.without_pad, "pad", pad_number));
+  json.set("by_gap", variants_json(t.gaps, "gap_m", gap_width));
   json.set("photo_views", views_json(t.photo_views));
   if (!t.uncertainty) return;
   io::Json quantiles = io::Json::object();

@@ -81,6 +81,7 @@ TEST(IntervalCoverage, NinetyPercentIntervalOfAlphaOnTheRim) {
     if (seen.equilibrium != Equilibrium::stable) continue;
     MonteCarloOptions options;
     options.draws = 200;
+    options.share_draws = 0;
     const double azimuth = seen.edges[*seen.critical].azimuth_deg;
     const auto result = tipping_draws(
         input, options, [seed](std::uint64_t k) { return base::Random(seed, "draws", k); }, std::span(&azimuth, 1),

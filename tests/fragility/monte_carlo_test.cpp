@@ -210,7 +210,9 @@ TEST(MonteCarlo, NeitherThreadsNorTheCountOfDrawsChangeADraw) {
     EXPECT_EQ(one.draws[k].alpha, two.draws[k].alpha);
     EXPECT_EQ(one.draws[k].mass.volume, two.draws[k].mass.volume);
     EXPECT_EQ(one.draws[k].mass.inertia_per_density, two.draws[k].mass.inertia_per_density);
-    if (k < 7) EXPECT_EQ(one.draws[k].alpha, fewer.draws[k].alpha);
+    if (k < 7) {
+      EXPECT_EQ(one.draws[k].alpha, fewer.draws[k].alpha);
+    }
   }
   for (std::size_t s = 0; s < one.summary.variance_shares.size(); ++s)
     EXPECT_EQ(one.summary.variance_shares[s].value, two.summary.variance_shares[s].value);
@@ -227,7 +229,9 @@ TEST(MonteCarlo, HiddenBearingLowersAlpha) {
     ASSERT_TRUE(d.standing);
     EXPECT_GE(d.bearing_inset, 0.0);
     EXPECT_LE(d.bearing_inset, options.bearing_inset_max);
-    if (d.alpha_bearing) EXPECT_LE(*d.alpha_bearing, d.alpha + kExact);
+    if (d.alpha_bearing) {
+      EXPECT_LE(*d.alpha_bearing, d.alpha + kExact);
+    }
   }
   ASSERT_NE(result.summary.find("alpha_bearing_deg"), nullptr);
   EXPECT_LT(result.summary.find("alpha_bearing_deg")->p50, result.summary.find("alpha_min_deg")->p50);
@@ -246,7 +250,9 @@ TEST(MonteCarlo, DrawsThatDoNotStand) {
   EXPECT_LT(result.summary.standing, 450);
   EXPECT_GT(result.summary.find("alpha_min_deg")->p05, 0.0);
   for (const auto& d : result.draws)
-    if (!d.standing) EXPECT_EQ(d.alpha, 0.0);
+    if (!d.standing) {
+      EXPECT_EQ(d.alpha, 0.0);
+    }
 }
 
 TEST(MonteCarlo, UnseenStretchesAreLessCertain) {
