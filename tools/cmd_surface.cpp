@@ -21,7 +21,7 @@ class SurfaceCommand final : public Command {
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "surface");
     std::vector<std::filesystem::path> named = {files_.labelled};
-    if (const auto lines = pipeline::contact_beside(files_); !lines.empty()) named.push_back(lines);
+    if (const auto lines = pipeline::contact_file(files_); !lines.empty()) named.push_back(lines);
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
     const auto outcome = pipeline::run_to_folder(

@@ -16,6 +16,7 @@
 #include "io/glb.hpp"
 #include "io/ply.hpp"
 #include "io/rocks_json.hpp"
+#include "segmentation/contact_line.hpp"
 #include "segmentation/rock_cut.hpp"
 #include "survey/rock.hpp"
 
@@ -170,6 +171,29 @@ io::Json contact_json(const survey::Contact& contact, bool assumed) {
 double observed_share(const survey::Contact& contact) {
   const auto seen = std::count_if(contact.begin(), contact.end(), [](const auto& v) { return v.observed; });
   return contact.empty() ? 0.0 : static_cast<double>(seen) / static_cast<double>(contact.size());
+}
+
+// The contact that the labels of the cloud show around one rock; empty where none of its points is labelled as contact.
+survey::Contact contact_in_labels(std::int64_t id, const std::vector<Vec3>& rock, const geometry::PointCloud& cloud,
+                                  const std::vector<double>& label, const std::vector<double>& target) {
+  geometry::Box3 box;
+  for (const auto& p : rock) box.extend(p);
+  const Vec3 margin = Vec3::Constant(0.25 * box.size().norm());
+  std::vector<Vec3> points;
+  std::vector<Label> labels;
+  bool shown = false;
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    const auto& p = cloud.positions[i];
+    if (((p - box.min + margin).array() < 0.0).any() || ((box.max + margin - p).array() < 0.0).any()) continue;
+    const bool own = target[i] == static_cast<double>(id);
+    const auto name = static_cast<Label>(static_cast<std::uint8_t>(label[i]));
+    const bool basal = own && name == Label::basal_contact;
+    points.push_back(p);
+    // What belongs to another rock is surroundings to this one.
+    labels.push_back(own || name == Label::terrain ? name : Label::unlabelled);
+    shown = shown || basal;
+  }
+  return shown ? segmentation::contact_from_labels(points, labels) : survey::Contact{};
 }
 
 // The mesh in two colours: what points support, and what was made up.
@@ -341,9 +365,9 @@ Outcome surface_rocks(const geometry::PointCloud& labelled, const RockClasses& c
     ctx.check_stop();
     ctx.progress("rocks", ++done, rocks.size());
     const auto known = classes.find(id);
-    const auto line = contacts.find(id);
-    const auto rock = describe(id, std::move(points), line == contacts.end() ? survey::Contact{} : line->second,
-                               labelled, terrain, options.ground_width_m);
+    const auto given = contacts.find(id);
+    const auto line = given != contacts.end() ? given->second : contact_in_labels(id, points, labelled, label, target);
+    const auto rock = describe(id, std::move(points), line, labelled, terrain, options.ground_width_m);
     auto why = write_rock(rock, known == classes.end() ? "rock" : known->second, frame_text, folder, options);
     if (why) {
       outcome.rejects.push_back(std::move(*why));
@@ -371,7 +395,7 @@ Outcome surface_rocks(const geometry::PointCloud& labelled, const RockClasses& c
   return outcome;
 }
 
-fs::path contact_beside(const SurfaceFiles& in) {
+fs::path contact_file(const SurfaceFiles& in) {
   if (!in.contact.empty()) return in.contact;
   const auto beside = fs::path(in.labelled).replace_extension(".contact.csv");
   return fs::exists(beside) ? beside : fs::path();
@@ -384,7 +408,7 @@ Outcome surface_file(const SurfaceFiles& in, const fs::path& folder, const Surfa
   require_metres(file, in.labelled);
   const std::string frame = file.facts.crs.empty() ? "coordinates of the cloud [m], z up"
                                                    : geodesy::describe_crs(file.facts.crs).name + " [m], z up";
-  const auto lines = contact_beside(in);
+  const auto lines = contact_file(in);
   const auto contacts = lines.empty() ? RockContacts{} : read_contacts(lines, file.facts.crs);
   try {
     return surface_rocks(file.cloud, {}, contacts, frame, folder, options, ctx);

@@ -29,9 +29,9 @@ using RockContacts = std::map<std::int64_t, survey::Contact>;
 // origin), <id>.json {"schema_version", "frame", "rock": record as in rocks.json without tipping, "surface": {method,
 // cap: {model, h_c_m}, noise_m, quality, ground, ...}, "contact": {assumed, line: [{pad, order, position_m, status,
 // sigma_m, closed}]}}. Rocks without a body get their <id>.json with the reason. `frame_text`: one sentence on the
-// coordinates. The base is closed on the contact line, where there is one near the rock (else note
-// contact_outside_rock); without, on the plane of the terrain around the rock; without terrain points on a level
-// plane at the lowest rock point (note ground_assumed_level).
+// coordinates. The base is closed on the contact line: the one given, where it lies near the rock (else note
+// contact_outside_rock), else the one that points labelled as basal contact show; without, on the plane of the terrain
+// around the rock; without terrain points on a level plane at the lowest rock point (note ground_assumed_level).
 [[nodiscard]] Outcome surface_rocks(const geometry::PointCloud& labelled, const RockClasses& classes,
                                     const RockContacts& contacts, const std::string& frame_text,
                                     const std::filesystem::path& folder, const SurfaceOptions& options,
@@ -42,7 +42,7 @@ using RockContacts = std::map<std::int64_t, survey::Contact>;
 struct SurfaceFiles {
   std::filesystem::path labelled, contact;
 };
-[[nodiscard]] std::filesystem::path contact_beside(const SurfaceFiles& in);  // the file that counts, or ""
+[[nodiscard]] std::filesystem::path contact_file(const SurfaceFiles& in);  // the file that counts, or ""
 [[nodiscard]] Outcome surface_file(const SurfaceFiles& in, const std::filesystem::path& folder,
                                    const SurfaceOptions& options, base::RunContext& ctx);
 

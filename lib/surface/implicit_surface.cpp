@@ -230,10 +230,17 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
     }
   });
 
-  // Residuals of the points before the caps cut the field.
+  // Residuals by the fit at the nearest node.
   std::vector<double> residuals;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (!frames.normals[i].isZero()) residuals.push_back(std::abs(interpolate(lattice, fields.rock, cloud[i])));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (frames.normals[i].isZero()) continue;
+    const Vec3 q = (cloud[i] - lattice.origin) / step;
+    const std::size_t n = lattice.index(std::lround(q.x()), std::lround(q.y()), std::lround(q.z()));
+    const auto slot = band.slot[n];
+    if (slot < 0 || spheres[static_cast<std::size_t>(slot)].trust < 0.5F) continue;
+    residuals.push_back(std::abs(spheres[static_cast<std::size_t>(slot)].at(cloud[i] - lattice.node(n))));
+  }
+  if (residuals.empty()) return result;
   constexpr double kSigmaOfMedian = 1.4826;
   result.noise = kSigmaOfMedian * median_of(std::move(residuals));
 

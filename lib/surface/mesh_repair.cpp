@@ -116,11 +116,16 @@ bool drop_small_pieces(TriangleMesh& mesh) {
   return mesh.triangles.size() != before;
 }
 
-// Rims of the holes, in the sense of the faces that close them; a vertex touched twice ends a loop.
-std::vector<Loop> hole_rims(const TriangleMesh& mesh) {
+std::set<std::uint64_t> directed_edges(const TriangleMesh& mesh) {
   std::set<std::uint64_t> edges;
   for (const auto& t : mesh.triangles)
     for (std::size_t k = 0; k < 3; ++k) edges.insert(key(t[k], t[(k + 1) % 3]));
+  return edges;
+}
+
+// Rims of the holes, in the sense of the faces that close them; a vertex touched twice ends a loop.
+std::vector<Loop> hole_rims(const TriangleMesh& mesh) {
+  const auto edges = directed_edges(mesh);
   std::map<std::uint32_t, std::vector<std::uint32_t>> next;
   for (const auto e : edges) {
     const auto a = static_cast<std::uint32_t>(e >> 32U), b = static_cast<std::uint32_t>(e & 0xffffffffU);
@@ -183,8 +188,9 @@ FlatRim flatten(const TriangleMesh& mesh, const Loop& loop) {
   return rim;
 }
 
-// Ears of a simple polygon; empty where none is left to cut.
-std::vector<Triangle> ears(const FlatRim& rim, const Loop& loop) {
+// Ears of a simple polygon; empty where none is left to cut. No chord may run along an edge of the mesh: that edge
+// would have more than two faces.
+std::vector<Triangle> ears(const FlatRim& rim, const Loop& loop, const std::set<std::uint64_t>& edges) {
   std::vector<std::size_t> left(loop.size());
   std::iota(left.begin(), left.end(), std::size_t{0});
   std::vector<Triangle> result;
@@ -196,7 +202,8 @@ std::vector<Triangle> ears(const FlatRim& rim, const Loop& loop) {
       const Vec2 &a = rim.points[ia], &b = rim.points[ib], &c = rim.points[ic];
       if (!(cross(b - a, c - a) > 0.0)) continue;
       const double length = (c - a).squaredNorm();
-      if (length >= least) continue;
+      if (length >= least || edges.count(key(loop[ia], loop[ic])) > 0 || edges.count(key(loop[ic], loop[ia])) > 0)
+        continue;
       const bool holds = std::any_of(left.begin(), left.end(), [&](std::size_t j) {
         if (j == ia || j == ib || j == ic) return false;
         const Vec2& p = rim.points[j];
@@ -215,7 +222,7 @@ std::vector<Triangle> ears(const FlatRim& rim, const Loop& loop) {
   return result;
 }
 
-void close_hole(TriangleMesh& mesh, const Loop& loop, const FlatRim& rim) {
+void close_hole(TriangleMesh& mesh, const Loop& loop, const FlatRim& rim, const std::set<std::uint64_t>& edges) {
   if (loop.size() == 3) {
     mesh.triangles.push_back({loop[0], loop[1], loop[2]});
     return;
@@ -225,7 +232,7 @@ void close_hole(TriangleMesh& mesh, const Loop& loop, const FlatRim& rim) {
     star = star && cross(rim.points[i], rim.points[(i + 1) % loop.size()]) > 0.0;
   constexpr std::size_t kMostForEars = 5000;
   if (!star && loop.size() <= kMostForEars) {
-    const auto cut = ears(rim, loop);
+    const auto cut = ears(rim, loop, edges);
     if (!cut.empty()) {
       mesh.triangles.insert(mesh.triangles.end(), cut.begin(), cut.end());
       return;
@@ -284,7 +291,8 @@ RepairedMesh repair(const TriangleMesh& given) {
       result.base.push_back(vertex);
     }
   }
-  for (std::size_t i = 0; i < rims.size(); ++i) close_hole(mesh, rims[i], flat[i]);
+  const auto edges = directed_edges(mesh);
+  for (std::size_t i = 0; i < rims.size(); ++i) close_hole(mesh, rims[i], flat[i], edges);
   if (rims.size() > (base ? 1U : 0U)) result.notes.emplace_back("holes_closed");
   if (base) result.notes.emplace_back("base_closed");
   result.made.resize(mesh.triangles.size(), 1);

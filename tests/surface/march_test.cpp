@@ -105,10 +105,12 @@ TEST(PoissonGrid, IndicatorOfASphere) {
   }
   const std::vector<double> areas(kCount, 4.0 * std::numbers::pi / kCount);
   const auto values = solve_poisson(lattice, points, normals, areas);
-  constexpr double kTolerance = 0.01;  // of the jump of 1
+  constexpr double kTolerance = 0.04;  // of the jump of 1, three cells from it
   for (const double r : {0.0, 0.3, 0.6, 0.85}) EXPECT_NEAR(interpolate(lattice, values, {r, 0, 0}), 1.0, kTolerance);
   for (const double r : {1.15, 1.3, 1.5}) EXPECT_NEAR(interpolate(lattice, values, {0, r, 0}), 0.0, kTolerance);
-  EXPECT_NEAR(interpolate(lattice, values, {0, 0, 1.0}), 0.5, 0.1);
+  double sum = 0.0;
+  for (const auto& p : points) sum += interpolate(lattice, values, p);
+  EXPECT_NEAR(sum / kCount, 0.5, kTolerance);
 }
 
 }  // namespace
