@@ -17,7 +17,6 @@
 #include "pipeline/fragility_stage.hpp"
 #include "pipeline/segment_stage.hpp"
 #include "pipeline/surface_stage.hpp"
-#include "segmentation/rock_patch.hpp"
 
 namespace cairn::acceptance {
 namespace fs = std::filesystem;
@@ -31,7 +30,7 @@ double cpu_seconds() {
 }
 
 // As `locate` gives it at close range: the axis off by a tenth of a metre, the radius too large.
-survey::Target write_target(const fs::path& path, const testing::RockScan& scan) {
+void write_target(const fs::path& path, const testing::RockScan& scan) {
   base::Random random(scan.seed, "rock run target", 0);
   io::TargetsFile file;
   survey::Target target;
@@ -47,7 +46,6 @@ survey::Target write_target(const fs::path& path, const testing::RockScan& scan)
   target.bcylinder = cylinder;
   file.targets.push_back(target);
   io::write_targets(path, file);
-  return target;
 }
 
 void write_truth_files(const fs::path& folder, const geometry::PointCloud& labelled, const survey::Truth& truth) {
@@ -61,27 +59,6 @@ void write_true_labels(const fs::path& folder, const testing::RockScan& scan) {
   io::ContactFile contact;
   contact.crs = "local";
   for (const auto& vertex : scan.contact()) contact.rows.push_back({1, vertex});
-  io::write_contact_csv(folder / "labelled.contact.csv", contact);
-}
-
-// What `segment` makes of the patch, written as it writes it.
-void write_patch(const fs::path& folder, const testing::RockScan& scan, const survey::Target& target) {
-  segmentation::PatchInput in;
-  in.points = scan.cloud.positions;
-  in.centre = target.bcylinder->axis;
-  in.radius = target.bcylinder->radius;
-  const auto found = segmentation::segment_patch(in, {});
-  if (!found.found()) throw base::Error(base::ErrorCode::failed_precondition, found.reason);
-  auto cloud = scan.cloud;
-  auto& label = cloud.add_scalar("label", geometry::ScalarType::u8, "").values;
-  for (std::size_t i = 0; i < label.size(); ++i) label[i] = static_cast<double>(found.labels[i]);
-  auto& id = cloud.add_scalar("target_id", geometry::ScalarType::u32, "").values;
-  const auto& of = cloud.scalar("label")->values;
-  for (std::size_t i = 0; i < id.size(); ++i) id[i] = of[i] >= 2.0 ? 1.0 : 4294967295.0;
-  io::write_cloud(folder / "labelled.las", cloud);
-  io::ContactFile contact;
-  contact.crs = "local";
-  for (const auto& vertex : found.contact) contact.rows.push_back({1, vertex});
   io::write_contact_csv(folder / "labelled.contact.csv", contact);
 }
 
@@ -153,16 +130,16 @@ Json run_rock(std::uint64_t seed, const RockRunOptions& options, base::RunContex
   const fs::path& folder = run.path();
   io::write_cloud(folder / "cloud.las", scan.cloud);
   write_truth_files(folder, scan.labelled(), scan.truth());
-  const auto target = write_target(folder / "targets.json", scan);
+  write_target(folder / "targets.json", scan);
   bool good = true;
   if (options.true_labels) write_true_labels(folder, scan);
-  else if (options.patch) good = step(line, "segment", [&] { write_patch(folder, scan, target); });
   else
     good = step(line, "segment", [&] {
       pipeline::SegmentFiles in;
       in.cloud = folder / "cloud.las";
       if (options.guided) in.targets = folder / "targets.json";
-      note_rejects(line, "segment", pipeline::segment_file(in, folder / "labelled.las", {}, ctx));
+      note_rejects(line, "segment",
+                   pipeline::segment_file(in, folder / "labelled.las", folder / "labelled.contact.csv", {}, ctx));
     });
   if (!good) return line;
   fs::create_directories(folder / "surface");
@@ -199,7 +176,7 @@ Json run_scene(std::uint64_t seed, const testing::RockSceneOptions& options, con
   const bool good = step(line, "segment", [&] {
     pipeline::SegmentFiles in;
     in.cloud = folder / "cloud.las";
-    (void)pipeline::segment_file(in, folder / "labelled.las", {}, ctx);
+    (void)pipeline::segment_file(in, folder / "labelled.las", folder / "labelled.contact.csv", {}, ctx);
   });
   if (!good) return line;
   pipeline::EvaluateSegmentationInputs in;

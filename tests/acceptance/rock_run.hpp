@@ -14,7 +14,6 @@ namespace cairn::acceptance {
 struct RockRunOptions {
   testing::RockScanOptions scan;
   bool guided = true;          // a located target with errors of its own tells where the rock is; else nothing does
-  bool patch = false;          // the patch segmentation by itself, without the stage round it
   bool true_labels = false;    // surface and fragility get the true labels and rim: what the later steps cost alone
   std::filesystem::path keep;  // folder that keeps the files of each run; "" = none
 };

@@ -1,5 +1,5 @@
 // acceptance_rocks [--results FILE] [--first SEED] [--seeds N] [--family F] [--held-out] [--hiding H] [--spacing M]
-//                  [--unguided | --patch | --true-labels] [--resamplings N] [--scenes N] [--keep DIR] [--tables-only]
+//                  [--unguided | --true-labels] [--resamplings N] [--scenes N] [--keep DIR] [--tables-only]
 // Simulated rocks through segment, surface and fragility in one process. One JSON line a rock is appended to the
 // results; lines that are there already are not computed again. Prints the tables as Markdown.
 //   --seeds N        rocks of the families that are not held out
@@ -45,7 +45,6 @@ Hiding hiding_from(const std::string& name) {
 bool flag(Settings& s, const std::string& name) {
   if (name == "--tables-only") s.tables_only = true;
   else if (name == "--unguided") s.run.guided = false;
-  else if (name == "--patch") s.run.patch = true;
   else if (name == "--true-labels") s.run.true_labels = true;
   else if (name == "--held-out") s.run.scan.family = s.scene.family = cairn::testing::kHeldOutFamily;
   else return false;
