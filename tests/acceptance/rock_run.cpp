@@ -83,6 +83,22 @@ void note_rejects(Json& line, const std::string& name, const pipeline::Outcome& 
     if (line.at("failed").as_string().empty()) line.set("failed", name + ": " + reject.reason);
 }
 
+// Surface and fragility of labelled.las.
+bool measure(Json& line, const fs::path& folder, base::RunContext& ctx) {
+  fs::create_directories(folder / "surface");
+  fs::create_directories(folder / "fragility");
+  bool good = step(line, "surface", [&] {
+    note_rejects(line, "surface", pipeline::surface_file({folder / "labelled.las", {}}, folder / "surface", {}, ctx));
+  });
+  good = good && step(line, "fragility", [&] {
+           pipeline::FragilityFiles in;
+           in.input = folder / "surface";
+           fragility::FragilityOptions how;
+           note_rejects(line, "fragility", pipeline::fragility_files(in, folder / "fragility", true, how, ctx));
+         });
+  return good;
+}
+
 void score(Json& line, const fs::path& folder, const fs::path& rocks, base::RunContext& ctx) {
   pipeline::EvaluateSegmentationInputs in;
   in.labelled = folder / "labelled.las";
@@ -142,17 +158,7 @@ Json run_rock(std::uint64_t seed, const RockRunOptions& options, base::RunContex
                    pipeline::segment_file(in, folder / "labelled.las", folder / "labelled.contact.csv", {}, ctx));
     });
   if (!good) return line;
-  fs::create_directories(folder / "surface");
-  fs::create_directories(folder / "fragility");
-  good = step(line, "surface", [&] {
-    note_rejects(line, "surface", pipeline::surface_file({folder / "labelled.las", {}}, folder / "surface", {}, ctx));
-  });
-  good = good && step(line, "fragility", [&] {
-           pipeline::FragilityFiles in;
-           in.input = folder / "surface";
-           fragility::FragilityOptions how;
-           note_rejects(line, "fragility", pipeline::fragility_files(in, folder / "fragility", true, how, ctx));
-         });
+  good = measure(line, folder, ctx);
   score(line, folder, good ? folder / "fragility" : fs::path(), ctx);
   return line;
 }
@@ -182,6 +188,26 @@ Json run_scene(std::uint64_t seed, const testing::RockSceneOptions& options, con
   pipeline::EvaluateSegmentationInputs in;
   in.labelled = folder / "labelled.las";
   in.truth = folder / "truth.las";
+  step(line, "evaluate", [&] { line.set("scores", pipeline::evaluate_segmentation(in, {}, ctx).summary); });
+  return line;
+}
+
+Json run_cloud(const fs::path& cloud, const fs::path& truth, const fs::path& keep, base::RunContext& ctx) {
+  Json line = Json::object({{"kind", "cloud"}, {"seed", 0}, {"family", ""}, {"failed", ""}});
+  const RunFolder run(keep, "cloud_" + cloud.stem().string());
+  const fs::path& folder = run.path();
+  bool good = step(line, "segment", [&] {
+    pipeline::SegmentFiles in;
+    in.cloud = cloud;
+    (void)pipeline::segment_file(in, folder / "labelled.las", folder / "labelled.contact.csv", {}, ctx);
+  });
+  good = good && measure(line, folder, ctx);
+  if (!good || truth.empty()) return line;
+  pipeline::EvaluateSegmentationInputs in;
+  in.labelled = folder / "labelled.las";
+  in.truth = cloud;
+  in.truth_rocks = truth;
+  in.rocks = folder / "fragility";
   step(line, "evaluate", [&] { line.set("scores", pipeline::evaluate_segmentation(in, {}, ctx).summary); });
   return line;
 }

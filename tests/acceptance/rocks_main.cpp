@@ -5,6 +5,7 @@
 //   --seeds N        rocks of the families that are not held out
 //   --held-out       the held-out family instead, under the same seeds
 //   --resamplings N  each seed sampled N times more
+//   --cloud FILE     that cloud alone, unguided, and its line to stdout; --truth names its truth.json
 //   --scenes N       clouds of many rocks, unguided, instead of single rocks
 #include <cstdio>
 #include <filesystem>
@@ -28,7 +29,7 @@ using cairn::io::Json;
 using cairn::testing::Hiding;
 
 struct Settings {
-  fs::path results = "rocks.jsonl";
+  fs::path results = "rocks.jsonl", cloud, truth;
   std::int64_t first = 1, seeds = 200, resamplings = 0, scenes = 0;
   cairn::acceptance::RockRunOptions run;
   cairn::testing::RockSceneOptions scene;
@@ -67,6 +68,8 @@ Settings parse(int argc, const char* const* argv) {
     else if (name == "--family") s.run.scan.family = s.scene.family = value;
     else if (name == "--hiding") s.run.scan.hiding = hiding_from(value);
     else if (name == "--spacing") s.run.scan.spacing_m = cairn::base::parse_real(value).value_or(0.01);
+    else if (name == "--cloud") s.cloud = value;
+    else if (name == "--truth") s.truth = value;
     else if (name == "--keep") s.run.keep = value;
     else throw Error(ErrorCode::invalid_argument, "unknown option").found(name);
   }
@@ -95,6 +98,11 @@ Key key_of(const Json& line) {
 }
 
 int run(const Settings& s) {
+  if (!s.cloud.empty()) {
+    cairn::base::RunContext ctx;
+    std::printf("%s\n", cairn::acceptance::run_cloud(s.cloud, s.truth, s.run.keep, ctx).dump().c_str());
+    return 0;
+  }
   auto lines = read_lines(s.results);
   std::set<Key> done;
   for (const auto& line : lines) done.insert(key_of(line));
