@@ -7,8 +7,7 @@ namespace cairn::fragility {
 
 ContactNoise::ContactNoise(const std::vector<ContactVertex>& contact, double correlation, double common_share)
     : common_(std::sqrt(common_share)), local_(std::sqrt(1.0 - common_share)) {
-  using geometry::Vec3;
-  outwards_.resize(contact.size(), Vec3::UnitX());
+  outwards_.resize(contact.size(), geometry::Vec3::UnitX());
   // White noise under a Gaussian kernel of width w has a Gaussian correlation of width sqrt(2) w.
   const double width = correlation / std::sqrt(2.0);
   for (const auto& pad : pads_of(contact)) {
@@ -30,12 +29,40 @@ ContactNoise::ContactNoise(const std::vector<ContactVertex>& contact, double cor
       if (norm > 0.0) basis.weights.row(row) /= norm;
     }
     pads_.push_back(std::move(basis));
-    const Vec3 middle = middle_of(contact, pad);
-    for (std::size_t i = pad.first; i < pad.last; ++i) {
-      Vec3 d = contact[i].position - middle;
-      d.z() = 0.0;
-      if (d.norm() > 0.0) outwards_[i] = d.normalized();
+    fill_outwards(contact, pad, at, length, correlation);
+  }
+}
+
+// Across the chord from `reach` behind to `reach` ahead, so that noise of single vertices does not turn it; away from
+// the pad's middle.
+void ContactNoise::fill_outwards(const std::vector<ContactVertex>& contact, const Pad& pad,
+                                 const std::vector<double>& at, double length, double reach) {
+  using geometry::Vec3;
+  const Vec3 middle = middle_of(contact, pad);
+  const std::size_t count = at.size();
+  const double step = std::min(reach, length / 8.0);
+  // Vertex that lies at least `step` away along the closed line, forwards or backwards.
+  const auto away = [&](std::size_t i, std::size_t direction) {
+    std::size_t j = i;
+    for (std::size_t walked = 0; walked < count; ++walked) {
+      j = (j + direction) % count;
+      double apart = std::abs(at[i] - at[j]);
+      apart = std::min(apart, length - apart);
+      if (apart >= step * (1.0 - 1e-9)) break;
     }
+    return contact[pad.first + j].position;
+  };
+  for (std::size_t i = 0; i < count; ++i) {
+    Vec3 radial = contact[pad.first + i].position - middle;
+    radial.z() = 0.0;
+    Vec3 normal = radial;
+    if (count > 2) {
+      const Vec3 chord = away(i, 1) - away(i, count - 1);
+      normal = Vec3(chord.y(), -chord.x(), 0.0);
+      if (!(normal.norm() > 1e-9 * length)) normal = radial;
+    }
+    if (normal.dot(radial) < 0.0) normal = -normal;
+    if (normal.norm() > 0.0) outwards_[pad.first + i] = normal.normalized();
   }
 }
 

@@ -10,8 +10,8 @@
 namespace cairn::fragility {
 
 // Position errors of a contact in units of its standard deviation: a part common to a pad (a line that was
-// drawn too far out all round) and a local part, Gaussian over the arc length. Two components: outwards from the pad's
-// middle in plan, and up.
+// drawn too far out all round) and a local part, Gaussian over the arc length. Two components: across the line in plan,
+// outwards, and up.
 class ContactNoise {
  public:
   // correlation [m] > 0: distance along the line at which the local part's correlation is exp(-1/2); common_share 0..1
@@ -24,7 +24,7 @@ class ContactNoise {
   // Takes the same count of random numbers every time. Cost vertices x knots.
   [[nodiscard]] Draw draw(base::Random& random) const;
 
-  // Unit vectors in plan, outwards from the pad's middle.
+  // Unit vectors in plan, across the line and away from the pad's middle.
   [[nodiscard]] const std::vector<geometry::Vec3>& outwards() const { return outwards_; }
 
  private:
@@ -32,6 +32,9 @@ class ContactNoise {
     std::size_t first = 0;
     Eigen::MatrixXd weights;  // vertices x knots, rows of unit length
   };
+  void fill_outwards(const std::vector<ContactVertex>& contact, const Pad& pad, const std::vector<double>& at,
+                     double length, double reach);
+
   std::vector<PadBasis> pads_;
   std::vector<geometry::Vec3> outwards_;
   double common_ = 0.0, local_ = 1.0;

@@ -73,6 +73,8 @@ std::vector<double> distance_to_seen(const std::vector<ContactVertex>& contact) 
 }
 
 constexpr std::size_t kMostVertices = 160;
+// A guess at an unseen stretch is smooth: its error reaches this part of the perimeter.
+constexpr double kSlowShare = 6.0;
 
 class Model {
  public:
@@ -81,6 +83,8 @@ class Model {
         options_(options),
         sigmas_(contact_sigmas(input, options)),
         noise_(input.contact, options.contact_correlation_m, options.contact_common_share),
+        slow_(input.contact, std::max(options.contact_correlation_m, perimeter(input.contact) / kSlowShare),
+              options.contact_common_share),
         moments_(moments_of(input.mass)),
         cap_(cap_moments(input.contact, input.mass.centre_of_mass)) {
     radius_ = std::sqrt(cap_.level.area / std::numbers::pi);
@@ -110,13 +114,14 @@ class Model {
     const auto on = [sources](Source s) { return (sources & s) != 0U ? 1.0 : 0.0; };
     TippingDraw out;
     auto contact = in_.contact;
-    const auto line = noise_.draw(random);
+    const auto line = noise_.draw(random), unseen = slow_.draw(random);
     double rise = 0.0;
     for (std::size_t i = 0; i < contact.size(); ++i) {
       const auto k = static_cast<Eigen::Index>(i);
+      const auto& error = contact[i].observed ? line : unseen;
       const double sigma = sigmas_[i] * on(contact[i].observed ? contact_seen : contact_inferred);
-      const double up = options_.contact_vertical_share * sigma * line.up[k];
-      contact[i].position += sigma * line.out[k] * noise_.outwards()[i] + Vec3(0.0, 0.0, up);
+      const double up = options_.contact_vertical_share * sigma * error.up[k];
+      contact[i].position += sigma * error.out[k] * noise_.outwards()[i] + Vec3(0.0, 0.0, up);
       rise += up;
     }
     rise /= static_cast<double>(contact.size());
@@ -206,7 +211,7 @@ class Model {
   const MonteCarloInput& in_;
   const MonteCarloOptions& options_;
   std::vector<double> sigmas_;
-  ContactNoise noise_;
+  ContactNoise noise_, slow_;  // of seen and of inferred stretches
   BodyMoments moments_;
   CapMoments cap_;
   std::vector<SurfaceMoments> patches_;
@@ -245,7 +250,9 @@ void fill_shares(const Model& model, const std::function<base::Random(std::uint6
     double sum = 0.0;
     for (std::size_t s = 0; s < count; ++s) sum += variances[s];
     if (!(sum > 0.0)) return out;
-    for (std::size_t s = 0; s < count; ++s) out.push_back({kSources[s].second, variances[s] / sum});
+    constexpr double kRounding = 1e-12;  // of a source that does nothing
+    for (std::size_t s = 0; s < count; ++s)
+      out.push_back({kSources[s].second, variances[s] > kRounding * sum ? variances[s] / sum : 0.0});
     return out;
   };
   summary.variance_shares = shares(rim, kSources.size() - 1);
@@ -256,6 +263,7 @@ void fill_shares(const Model& model, const std::function<base::Random(std::uint6
 
 void MonteCarloOptions::visit(base::OptionVisitor& visitor) {
   visitor.integer("draws", draws, 0, 1'000'000, "Monte Carlo draws a rock; 0 = none");
+  visitor.integer("share-draws", share_draws, 0, 100'000, "draws of each source alone, for what dominates; 0 = none");
   visitor.real("contact-sigma-m", contact_sigma_m, 0.0, 10.0,
                "error across the contact line where it states none; 0 = from spacing, noise and size");
   visitor.real("contact-correlation-m", contact_correlation_m, 0.001, 10.0,
@@ -285,7 +293,7 @@ void MonteCarloOptions::visit(base::OptionVisitor& visitor) {
 
 std::vector<double> contact_sigmas(const MonteCarloInput& input, const MonteCarloOptions& options) {
   const double radius = perimeter(input.contact) / (2.0 * std::numbers::pi);
-  constexpr double kLeastShare = 0.01, kMostShare = 0.25;  // of the contact's mean radius
+  constexpr double kLeastShare = 0.01, kMostShare = 0.2;  // of the contact's mean radius
   const double seen = options.contact_sigma_m > 0.0
                           ? options.contact_sigma_m
                           : std::max({input.point_spacing_m, 2.0 * input.noise_m, kLeastShare * radius});
@@ -320,8 +328,8 @@ MonteCarloResult tipping_draws(const MonteCarloInput& input, const MonteCarloOpt
   result.summary = summary_of(result.draws, nominal_azimuth_deg, in.friction);
   result.summary.a_qs_g_by_azimuth = azimuth_quantiles(tables);
   result.summary.inputs = model.inputs();
-  constexpr std::size_t kShareDraws = 250;
-  fill_shares(model, random, std::min(count, kShareDraws), result.summary);
+  if (options.share_draws > 0)
+    fill_shares(model, random, std::min(count, static_cast<std::size_t>(options.share_draws)), result.summary);
   result.critical_share.assign(edge_azimuths_deg.size(), 0.0);
   if (edge_azimuths_deg.empty() || result.summary.standing == 0) return result;
   for (const auto& d : result.draws) {

@@ -19,6 +19,7 @@ namespace cairn::fragility {
 
 struct MonteCarloOptions {
   std::int64_t draws = 1000;            // 0 = no draws
+  std::int64_t share_draws = 250;       // of each source alone, for the shares of the variance; 0 = none
   double contact_sigma_m = 0.0;         // across the line where it states none; 0 = from spacing, noise and size
   double contact_correlation_m = 0.15;  // along the line: an error reaches this far
   double contact_common_share = 0.5;    // of its variance: the same all round a pad

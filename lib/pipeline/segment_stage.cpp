@@ -120,7 +120,7 @@ class SegmentStage final : public Stage {
  public:
   SegmentStage() { options_.keep = "labelled"; }
   [[nodiscard]] std::string_view name() const override { return "segment"; }
-  [[nodiscard]] std::vector<std::string> needs() const override { return {"locate"}; }
+  [[nodiscard]] std::vector<std::string> uses() const override { return {"locate"}; }
   [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
 
   [[nodiscard]] Estimate estimate(const StageInputs& in) const override {
@@ -135,17 +135,25 @@ class SegmentStage final : public Stage {
 
   Outcome run(const StageInputs& in, const fs::path& out, base::RunContext& ctx) override {
     base::validate(options(), "segment");
-    const auto targets = io::read_targets(in.products / "targets.json");
     const auto survey = io::read_survey(in.survey);
     auto loaded = load_cloud(in.survey, survey, ctx);
     const auto local = loaded.cloud.positions;
-    auto result = segment_cloud(std::move(loaded.cloud), local, targets.targets, options_, ctx);
+    // Without located targets the rocks are sought in the cloud itself.
+    const bool guided = std::find(in.available.begin(), in.available.end(), "locate") != in.available.end();
+    std::vector<segmentation::RockTarget> rocks;
+    if (guided) {
+      rocks = rock_targets(io::read_targets(in.products / "targets.json").targets, options_);
+    } else {
+      geometry::PointCloud shape;
+      shape.positions = local;
+      rocks = segmentation::find_rock_targets(shape, ctx);
+    }
+    auto result = segment_targets(std::move(loaded.cloud), local, rocks, {}, options_, ctx);
     io::CloudWriteOptions write;
     write.crs_wkt = write.crs = geodesy::LocalFrame(survey.manifest.origin.position).raster_crs_wkt();
     io::write_cloud(out / "labelled.las", result.cloud, write);
     io::write_contact_csv(out / "contact.csv", contact_file(result.cuts, [](const Vec3& p) { return p; }));
-    base::write_file(out / "segments.json",
-                     segments_json(result.cuts, rock_targets(targets.targets, options_)).dump() + "\n");
+    base::write_file(out / "segments.json", segments_json(result.cuts, rocks).dump() + "\n");
     return std::move(result.outcome);
   }
 

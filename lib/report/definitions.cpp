@@ -33,6 +33,14 @@ constexpr std::array kReasons{
     Pair{"plumb_point_outside",
          "The centre of mass does not lie above the contact: a contact is missing, the vertical is wrong, or the rock "
          "is wedged."},
+    Pair{"not_in_equilibrium",
+         "The centre of mass does not lie above the contact: a contact is missing, the vertical is wrong, or the rock "
+         "is wedged."},
+    Pair{"rolls_back", "On its single point of contact it is stable against rolling."},
+    Pair{"rolls_away", "On its single point of contact it is not stable against rolling: something else holds it."},
+    Pair{"equilibrium_uncertain", "Within the uncertainty of contact and mass the rock may not stand at all."},
+    Pair{"contact_not_covered", "The flight cannot have seen all of the contact with the ground."},
+    Pair{"no_contact_seen", "Nothing of the contact was seen: there is no lower bound."},
     Pair{"contact_above_centre", "A contact lies above the centre of mass: the rock is held from the side."},
     Pair{"mesh_not_closed", "The surface could not be closed, so it has no volume."},
     Pair{"no_ground", "No ground was found around the object."},

@@ -224,7 +224,8 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
   const double level = median_of(std::move(levels));
 
   // A bridge may be half as wide as the rock.
-  const WideField wide(lattice, reach, 0.5 * box.size().minCoeff(), cloud, frames.normals);
+  const double thickness = box.size().minCoeff();
+  const WideField wide(lattice, reach, 0.5 * thickness, cloud, frames.normals);
   Fields fields;
   fields.rock.resize(lattice.size());
   fields.cap.assign(lattice.size(), kNoCap);
@@ -240,10 +241,11 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
       constexpr double kDecided = 0.4, kUndecided = 0.3;
       const double open = ramp((kDecided - std::abs(inside)) / (kDecided - kUndecided));
       if (trust < 1.0 && open > 0.0) {
-        // The indicator bridges flat, the wide fits as round as the rest is: rocks are in between.
-        const double flat = -inside / slope_of(coarse, indicator, lattice.node(n));
-        constexpr double kRound = 0.7;
-        const double bridged = (1.0 - kRound) * flat + kRound * wide.at(lattice.node(n), flat);
+        // The indicator bridges flat, the wide fits as round as the rest is. Rocks are in between; but a gap as wide as
+        // the rock itself is its other side. Across a round gap the indicator's slope is 1 / diameter.
+        const double slope = slope_of(coarse, indicator, lattice.node(n));
+        const double round = 0.5 + 0.5 * ramp((1.0 / (slope * thickness) - 0.4) / 0.3);
+        const double bridged = round * wide.at(lattice.node(n), -inside / slope) - (1.0 - round) * inside / slope;
         value = (1.0 - open) * far + open * std::clamp(bridged, -2.0 * step, 2.0 * step);
       }
       if (sphere != nullptr) value = (1.0 - trust) * value + trust * static_cast<double>(sphere->u0);

@@ -14,8 +14,7 @@ inline base::Random draw_random(std::uint64_t k) {
 // One closed pad through the points; observed, sigma not stated.
 inline survey::Contact closed_pad(const std::vector<geometry::Vec3>& points, std::int64_t pad = 0) {
   survey::Contact contact;
-  for (const auto& p : points)
-    contact.push_back({pad, static_cast<std::int64_t>(contact.size()), p, true, true, 0.0});
+  for (const auto& p : points) contact.push_back({pad, static_cast<std::int64_t>(contact.size()), p, true, true, 0.0});
   return contact;
 }
 

@@ -1,7 +1,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <sstream>
+
 #include "base/atomic_file.hpp"
+#include "io/gaps_json.hpp"
 #include "io/json.hpp"
 #include "io/ply.hpp"
 #include "support/bodies.hpp"
@@ -16,6 +23,12 @@ using cairn::testing::cairn;
 using cairn::testing::TempFolder;
 using ::testing::HasSubstr;
 using ::testing::Not;
+
+std::string read_text(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path, std::ios::binary).rdbuf();
+  return text.str();
+}
 
 class FragilityCommand : public ::testing::Test {
  protected:
@@ -90,6 +103,83 @@ TEST_F(FragilityCommand, NotInEquilibriumHasNoAngleAnywhere) {
   EXPECT_THAT(result.out, Not(HasSubstr("alpha")));
 }
 
+// Interval, quantiles, draws file; the same bytes whatever the threads.
+TEST_F(FragilityCommand, DrawsAndIntervals) {
+  const auto run = [&](const std::string& out, const char* threads) {
+    return cairn({"fragility", mesh_, "--contact", contact_, "--draws", "100", "--seed", "7", "--threads", threads,
+                  "-o", out, "--json"});
+  };
+  const auto result = run(out_, "1");
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = ::cairn::io::parse_json(result.out, "stdout");
+  const auto& rock = summary.at("rocks").as_array().at(0);
+  for (const auto* name :
+       {"alpha_min_deg", "azimuth_deg", "r_m", "p_rad_s", "a_qs_g", "v_min_m_s", "barrier_j", "volume_m3", "mass_kg",
+        "com_x_m", "com_y_m", "com_z_m", "inertia_xx_kg_m2", "inertia_xy_kg_m2", "alpha_bearing_deg"}) {
+    const auto& q = rock.at("quantiles").at(name);
+    double before = -1e30;
+    for (const auto* level : {"p05", "p16", "p50", "p84", "p95"}) {
+      EXPECT_GE(q.at(level).as_real(), before) << name;
+      before = q.at(level).as_real();
+    }
+  }
+  const auto& interval = rock.at("alpha_interval_deg").as_array();
+  EXPECT_NEAR(std::tan(interval.at(0).as_real() * std::numbers::pi / 180), 0.7 / 3.0, 1e-9);  // inset 0.3
+  EXPECT_NEAR(interval.at(1).as_real(), rock.at("alpha_min_deg").as_real(), 1e-12);
+  double rose = 0.0;
+  for (const auto& share : rock.at("uncertainty").at("rose").as_array()) rose += share.as_real();
+  EXPECT_NEAR(rose, 1.0, 1e-9);
+  const std::string other = (folder_ / "other").string();
+  ASSERT_EQ(run(other, "2").exit_code, 0);
+  for (const auto* name : {"rocks.json", "block_draws.csv", "block_tipping.json", "block_tipping.svg"})
+    EXPECT_EQ(read_text(fs::path(out_) / name), read_text(fs::path(other) / name)) << name;
+  const std::string draws = read_text(fs::path(out_) / "block_draws.csv");
+  EXPECT_EQ(std::count(draws.begin(), draws.end(), '\n'), 101);
+  EXPECT_THAT(draws, HasSubstr("draw,standing,alpha_min_deg,azimuth_deg"));
+}
+
+// A second rock, or another id, draws other numbers; the text says what was assumed.
+TEST_F(FragilityCommand, TextSaysWhatWasAssumed) {
+  const auto result = cairn({"fragility", mesh_, "-o", out_});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_THAT(result.out, HasSubstr("2600 kg/m3 (assumed)"));
+  EXPECT_THAT(result.out, HasSubstr("contact: at most 18.4 deg"));
+}
+
+TEST_F(FragilityCommand, PointAndLineContacts) {
+  const auto reasons = [&](const std::string& rows) {
+    ::cairn::base::write_file(contact_, "# crs: local\nrock_id,pad_id,order,x,y,z,status,sigma_m,closed\n" + rows);
+    const auto result = cairn({"fragility", mesh_, "--contact", contact_, "-o", out_, "--overwrite", "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_THAT(result.out, Not(HasSubstr("alpha")));
+    return result.out;
+  };
+  EXPECT_THAT(reasons("0,0,0,0,0,0,observed,,1\n"), HasSubstr("point_contact"));
+  EXPECT_THAT(reasons("0,0,0,0,-1,0,observed,,1\n0,0,1,0,1,0,observed,,1\n"), HasSubstr("line_contact"));
+}
+
+// An audit that could not see the western half of the contact: `bounded` by the mesh, `screening` by the audit.
+TEST_F(FragilityCommand, CoverageLimitsTheGrade) {
+  ::cairn::survey::CoverageGap gap;
+  gap.id = ::cairn::survey::GapId(0);
+  gap.rings = {::cairn::geometry::Ring{{-2, -2}, {0.4, -2}, {0.4, 2}, {-2, 2}}};
+  gap.area_m2 = 1.0;
+  gap.facets = 1;
+  gap.reason = "no_view";
+  ::cairn::io::write_gaps(folder_ / "gaps.json",
+                          {{{46.8, -92.0, 100.0}, ::cairn::survey::HeightType::ellipsoidal, ""}, {gap}});
+  const auto result = cairn({"fragility", mesh_, "--contact", contact_, "--coverage", (folder_ / "gaps.json").string(),
+                             "--draws", "0", "-o", out_, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = ::cairn::io::parse_json(result.out, "stdout");
+  const auto& rock = summary.at("rocks").as_array().at(0);
+  EXPECT_EQ(rock.at("grade").as_string(), "screening");
+  EXPECT_THAT(result.out, HasSubstr("contact_not_covered"));
+  EXPECT_EQ(
+      cairn({"fragility", mesh_, "--coverage", (folder_ / "none").string(), "-o", (folder_ / "no").string()}).exit_code,
+      4);
+}
+
 TEST_F(FragilityCommand, FromCloudToGrade) {
   ::cairn::testing::write_small_rocks(folder_.path());
   const std::string labelled = (folder_ / "labelled.las").string(), surfaces = (folder_ / "surfaces").string();
@@ -127,6 +217,16 @@ TEST_F(FragilityCommand, BadInput) {
   const auto refused = run({(folder_ / "open.ply").string()});
   EXPECT_EQ(refused.exit_code, 4);
   EXPECT_THAT(refused.err, HasSubstr("surface_not_closed"));
+
+  auto two = ::cairn::testing::block(1, 1, 3);
+  const auto second = ::cairn::testing::moved(two, ::cairn::geometry::Vec3(5, 0, 0));
+  const auto base = static_cast<std::uint32_t>(two.vertices.size());
+  two.vertices.insert(two.vertices.end(), second.vertices.begin(), second.vertices.end());
+  for (const auto& t : second.triangles) two.triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+  ::cairn::io::write_ply(folder_ / "two.ply", two);
+  const auto shells = run({(folder_ / "two.ply").string()});
+  EXPECT_EQ(shells.exit_code, 4);
+  EXPECT_THAT(shells.err, HasSubstr("several_pieces"));
 
   write_contact("observed", 40.0);
   const auto elsewhere = run({mesh_, "--contact", contact_});
