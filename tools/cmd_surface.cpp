@@ -1,4 +1,4 @@
-// cairn surface LABELLED.las -o DIR
+// cairn surface LABELLED.las [--contact C.csv] -o DIR
 #include "pipeline/run_record.hpp"
 #include "pipeline/surface_stage.hpp"
 #include "tools/command.hpp"
@@ -9,20 +9,24 @@ namespace {
 class SurfaceCommand final : public Command {
  public:
   void declare(Arguments& arguments) override {
-    arguments.input("labelled", labelled_, "Labelled cloud of 'cairn segment'");
+    arguments.input("labelled", files_.labelled, "Labelled cloud of 'cairn segment'");
     arguments.output(out_, "Folder of the meshes");
+    arguments.option("contact", files_.contact,
+                     "contact.csv: contact lines; default LABELLED.contact.csv where it exists");
     arguments.options(base::bind_options(options_));
     arguments.example("cairn surface labelled.las -o surfaces --json");
-    arguments.example("cairn surface labelled.las -o surfaces --method wrap");
+    arguments.example("cairn surface labelled.las -o surfaces --contact contact.csv");
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "surface");
-    const auto inputs = pipeline::digest_inputs({labelled_});
+    std::vector<std::filesystem::path> named = {files_.labelled};
+    if (const auto lines = pipeline::contact_file(files_); !lines.empty()) named.push_back(lines);
+    const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
     const auto outcome = pipeline::run_to_folder(
         out_, arguments.common.overwrite, {"surface", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
-        [&](const std::filesystem::path& staged) { return pipeline::surface_file(labelled_, staged, options_, ctx); },
+        [&](const std::filesystem::path& staged) { return pipeline::surface_file(files_, staged, options_, ctx); },
         ctx);
     std::string text =
         std::to_string(outcome.summary.at("rocks").as_integer()) + " closed surfaces in " + out_.string() + "\n";
@@ -32,7 +36,8 @@ class SurfaceCommand final : public Command {
   }
 
  private:
-  std::filesystem::path labelled_, out_;
+  pipeline::SurfaceFiles files_;
+  std::filesystem::path out_;
   pipeline::SurfaceOptions options_;
 };
 

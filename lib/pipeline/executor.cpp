@@ -117,7 +117,8 @@ std::string content_digest(const Record& record) {
 
 struct Plan {
   std::vector<std::unique_ptr<Stage>> stages;
-  std::string job_key;  // recipe, options, seed, survey
+  std::vector<bool> optional;  // by stage
+  std::string job_key;         // recipe, options, seed, survey
 };
 
 Plan make_plan(const Recipe& recipe, const StageFactory& factory, const std::string& survey_digest,
@@ -145,6 +146,8 @@ Plan make_plan(const Recipe& recipe, const StageFactory& factory, const std::str
     base::validate(stage->options(), item.stage);
     job.add_field(item.stage);
     for (const auto& option : base::option_texts(stage->options())) job.add_field(option.name).add_field(option.value);
+    if (item.optional) job.add_field("optional");
+    plan.optional.push_back(item.optional);
     plan.stages.push_back(std::move(stage));
   }
   plan.job_key = std::move(job).hex();
@@ -308,9 +311,21 @@ ExecuteReport execute(const Recipe& recipe, const StageFactory& factory, const s
     claimed = true;
   };
   if (!options.dry_run && job_in(options.out) != plan.job_key) claim();
-  for (auto& stage : plan.stages) {
+  for (std::size_t i = 0; i < plan.stages.size(); ++i) {
     ctx.check_stop();
+    auto& stage = plan.stages[i];
     const std::string name(stage->name());
+    if (const std::string lacks = plan.optional[i] ? stage->missing(in) : std::string(); !lacks.empty()) {
+      Record stale = read_record(record_path(options.out, name));
+      if (!options.dry_run && !stale.key.empty()) {
+        if (!claimed) claim();
+        remove_products(options.out, stale);
+        fs::remove(record_path(options.out, name));
+      }
+      report.stages.push_back({name, "skipped: no " + lacks, 0.0, {}, {}});
+      records.emplace_back();
+      continue;
+    }
     const std::string key = stage_key(*stage, survey_digest, ctx.seed, content);
     Record record = read_record(record_path(options.out, name));
     StageReport line{name, "kept", 0.0, stage->estimate(in), {}};

@@ -27,7 +27,7 @@ struct ExecuteOptions {
 
 struct StageReport {
   std::string name;
-  std::string state;  // "ran", "kept", "would run"
+  std::string state;  // "ran", "kept", "would run", "skipped: no detections"
   double seconds = 0.0;
   Estimate estimate;
   io::Json summary;

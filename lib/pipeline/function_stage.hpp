@@ -18,6 +18,7 @@ struct StageDescription {
   std::vector<std::string> uses;
   std::function<Estimate(const StageInputs&, const Options&)> estimate;
   std::function<Outcome(const StageInputs&, const std::filesystem::path& out, const Options&, base::RunContext&)> run;
+  std::function<std::string(const StageInputs&)> missing = {};  // as Stage::missing; empty = nothing ever is
 };
 
 template <typename Options>
@@ -28,6 +29,9 @@ class FunctionStage final : public Stage {
   [[nodiscard]] std::string_view name() const override { return description_.name; }
   [[nodiscard]] std::vector<std::string> needs() const override { return description_.needs; }
   [[nodiscard]] std::vector<std::string> uses() const override { return description_.uses; }
+  [[nodiscard]] std::string missing(const StageInputs& in) const override {
+    return description_.missing ? description_.missing(in) : std::string();
+  }
   [[nodiscard]] base::VisitOptions options() override { return base::bind_options(options_); }
   [[nodiscard]] Estimate estimate(const StageInputs& in) const override { return description_.estimate(in, options_); }
   Outcome run(const StageInputs& in, const std::filesystem::path& out, base::RunContext& ctx) override {

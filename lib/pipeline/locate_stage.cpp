@@ -211,6 +211,9 @@ std::unique_ptr<Stage> make_locate_stage() {
        },
        [](const StageInputs& in, const fs::path& out, const LocateStageOptions& options, base::RunContext& ctx) {
          return locate_stage({in.survey, {}, {}}, out, options, ctx);
+       },
+       [](const StageInputs& in) -> std::string {
+         return io::read_survey(in.survey).detections.empty() ? "detections" : "";
        }});
 }
 

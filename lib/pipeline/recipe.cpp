@@ -41,8 +41,9 @@ Recipe read_recipe(const std::filesystem::path& path) {
     recipe.name = json.at("name").as_string();
     if (const auto* description = json.find("description")) recipe.description = description->as_string();
     for (const auto& item : json.at("stages").as_array()) {
-      refuse_unknown(item, {"stage", "options"}, "stage " + std::to_string(recipe.stages.size() + 1));
-      RecipeStage stage{item.at("stage").as_string(), {}};
+      refuse_unknown(item, {"stage", "options", "optional"}, "stage " + std::to_string(recipe.stages.size() + 1));
+      RecipeStage stage{item.at("stage").as_string(), {}, false};
+      if (const auto* optional = item.find("optional")) stage.optional = optional->as_bool();
       if (const auto* options = item.find("options"))
         for (const auto& [name, value] : options->as_object())
           stage.options.emplace_back(name, value.is_string() ? value.as_string() : value.dump(0));

@@ -13,6 +13,7 @@ namespace cairn::pipeline {
 struct RecipeStage {
   std::string stage;
   std::vector<std::pair<std::string, std::string>> options;
+  bool optional = false;  // left out where the survey lacks what the stage works on (a cloud has no detections)
 };
 
 struct Recipe {
@@ -21,7 +22,8 @@ struct Recipe {
   std::vector<RecipeStage> stages;  // in the order they run
 };
 
-// {"schema_version": 1, "name", "description", "stages": [{"stage": "locate", "options": {...}}]}.
+// {"schema_version": 1, "name", "description", "stages": [{"stage": "locate", "options": {...},
+// "optional": true}]}.
 // Throws invalid_input naming the member where something is missing, unknown or of the wrong kind.
 [[nodiscard]] Recipe read_recipe(const std::filesystem::path& path);
 

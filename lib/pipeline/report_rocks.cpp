@@ -18,7 +18,7 @@ std::vector<geometry::Vec3> contact_points(const std::filesystem::path& file) {
   if (file.empty()) return points;
   const io::Json json = io::read_json(file);
   const io::Json* contact = json.find("contact");
-  const io::Json* list = contact == nullptr || !contact->is_object() ? nullptr : contact->find("points");
+  const io::Json* list = contact == nullptr || !contact->is_object() ? nullptr : contact->find("line");
   if (list == nullptr || !list->is_array()) return points;
   for (const io::Json& point : list->as_array()) points.push_back(point.at("position_m").as_vec3());
   return points;

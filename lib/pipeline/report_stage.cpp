@@ -186,6 +186,23 @@ void add_input_digests(report::ReportData& data, const survey::Survey& survey, c
     data.provenance.inputs.push_back({fs::path(digest.path).filename().string(), digest.sha256});
 }
 
+// Rocks found in the cloud alone, or split in review: the page shows an object for each.
+void add_unlocated(report::ReportData& data) {
+  std::set<survey::TargetId> located;
+  for (const auto& t : data.targets) located.insert(t.target.id);
+  for (const auto& view : data.rocks) {
+    if (view.rock.rejected || !view.rock.mass || located.contains(view.rock.target)) continue;
+    report::TargetView found;
+    found.target.id = view.rock.target;
+    found.target.object_class = view.rock.object_class;
+    found.target.state = survey::TargetState::mapped;
+    found.target.centre = view.rock.mass->centre_of_mass;
+    data.targets.push_back(std::move(found));
+  }
+  std::sort(data.targets.begin(), data.targets.end(),
+            [](const auto& a, const auto& b) { return a.target.id < b.target.id; });
+}
+
 class ReportStage final : public Stage {
  public:
   [[nodiscard]] std::string_view name() const override { return "report"; }
@@ -239,6 +256,7 @@ report::ReportData gather_report(const ReportInputs& in, const ReportStageOption
     data.obstacles = std::move(file.obstacles);
   }
   data.rocks = read_rock_views(in, ctx);
+  add_unlocated(data);
   const auto surface = raster_of(in.product("terrain", "surface.tif"));
   const auto views = raster_of(in.product("coverage", "views.tif"));
   const auto costmap = raster_of(in.product("costmap", "costmap.tif"));

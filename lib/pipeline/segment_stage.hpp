@@ -9,7 +9,7 @@
 #include "geometry/point_cloud.hpp"
 #include "pipeline/outcome.hpp"
 #include "pipeline/stage.hpp"
-#include "segmentation/rock_cut.hpp"
+#include "segmentation/segment_rocks.hpp"
 #include "survey/target.hpp"
 
 namespace cairn::pipeline {
@@ -18,7 +18,9 @@ struct SegmentOptions {
   std::string classes = "boulder,rock";  // target classes that are rocks, comma-separated
   // all: every point of the cloud; labelled: only those with a label (near a rock).
   std::string keep = "all";
-  segmentation::RockCutOptions cut;
+  // Also writes the convention of other tools into `intensity`: 1 rock, 2 basal contact, 0 pedestal and all else.
+  bool intensity_labels = false;
+  segmentation::SegmentRocksOptions rocks;
 
   void visit(base::OptionVisitor& visitor);
 };
@@ -37,23 +39,36 @@ struct Segmented {
 [[nodiscard]] Segmented segment_cloud(geometry::PointCloud cloud, const std::vector<geometry::Vec3>& local,
                                       const std::vector<survey::Target>& targets, const SegmentOptions& options,
                                       base::RunContext& ctx);
+// The same for targets already chosen, with a person's word on them.
+[[nodiscard]] Segmented segment_targets(geometry::PointCloud cloud, const std::vector<geometry::Vec3>& local,
+                                        const std::vector<segmentation::RockTarget>& targets,
+                                        const segmentation::RockGuidance& guidance, const SegmentOptions& options,
+                                        base::RunContext& ctx);
+
+// Picks: a table x,y,z,rock (1 rock, 0 not), in the coordinates `to_local` takes.
+[[nodiscard]] std::vector<segmentation::RockPick> read_picks(const std::filesystem::path& path);
 
 // segments.json: what became of each target: {"schema_version", "segments": [{id, class, rejected, reasons, message,
-// point_count, point_spacing_m, height_m, threshold_m, ground_noise_m, ground_up_m, ground_slope, flanks_seen_share,
-// contact_observed_share, contact: [{position_m, status}], notes}]}.
+// method, point_count, point_spacing_m, noise_m, height_m, threshold_m, ground_noise_m, ground_up_m, ground_slope,
+// sides_seen_share, contact_observed_share, contact: [{pad, order, position_m, status, sigma_m}], notes}]}.
 [[nodiscard]] io::Json segments_json(const segmentation::RockCuts& cuts,
                                      const std::vector<segmentation::RockTarget>& targets);
 
 // `cairn segment`: any cloud file. Where targets.json stands in a frame and the cloud declares a CRS, the cloud is
 // taken into that frame to be cut; the file written keeps the cloud's own coordinates and records.
 struct SegmentFiles {
-  std::filesystem::path cloud, targets;
-  std::filesystem::path survey;  // "" = none; else its T_world_source and CRS of the cloud count
+  std::filesystem::path cloud, targets;  // targets "" = every rock that stands out of the ground is looked for
+  std::filesystem::path survey;          // "" = none; else its T_world_source and CRS of the cloud count
+  std::filesystem::path picks, contact;  // "" = none; in the cloud's coordinates
 };
+// Beside X.las stands X.contact.csv (contact_beside(out)): the contact lines in the cloud's coordinates. It is written
+// to `out_contact`.
+[[nodiscard]] std::filesystem::path contact_beside(const std::filesystem::path& labelled);
 [[nodiscard]] Outcome segment_file(const SegmentFiles& in, const std::filesystem::path& out_las,
-                                   const SegmentOptions& options, base::RunContext& ctx);
+                                   const std::filesystem::path& out_contact, const SegmentOptions& options,
+                                   base::RunContext& ctx);
 
-// The recipe's stage: survey cloud + targets.json -> labelled.las (local frame), segments.json.
+// The recipe's stage: survey cloud + targets.json -> labelled.las (local frame), segments.json, contact.csv.
 [[nodiscard]] std::unique_ptr<Stage> make_segment_stage();
 
 }  // namespace cairn::pipeline

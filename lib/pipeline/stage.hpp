@@ -35,6 +35,8 @@ class Stage {
   // those of `uses` are read where the recipe has them.
   [[nodiscard]] virtual std::vector<std::string> needs() const { return {}; }
   [[nodiscard]] virtual std::vector<std::string> uses() const { return {}; }
+  // What the survey lacks for this stage, "" where nothing. A recipe's optional stages are left out then.
+  [[nodiscard]] virtual std::string missing(const StageInputs& /*in*/) const { return {}; }
   [[nodiscard]] virtual base::VisitOptions options() = 0;
   [[nodiscard]] virtual Estimate estimate(const StageInputs& in) const = 0;
   // Writes into `out`, an empty staged folder, under the products' final relative names.

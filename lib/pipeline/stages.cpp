@@ -7,10 +7,12 @@
 #include "pipeline/coverage_stage.hpp"
 #include "pipeline/fragility_stage.hpp"
 #include "pipeline/function_stage.hpp"
+#include "pipeline/inventory_stage.hpp"
 #include "pipeline/layers_stage.hpp"
 #include "pipeline/locate_stage.hpp"
 #include "pipeline/obstacles_stage.hpp"
 #include "pipeline/report_stage.hpp"
+#include "pipeline/rock_figures.hpp"
 #include "pipeline/route_stage.hpp"
 #include "pipeline/segment_stage.hpp"
 #include "pipeline/surface_stage.hpp"
@@ -52,29 +54,46 @@ std::unique_ptr<Stage> make_route_stage() {
 std::unique_ptr<Stage> make_layers_stage() {
   return make_function_stage<LayersOptions>(
       {"layers",
-       {"locate"},
-       {"fragility", "obstacles", "coverage"},
+       {},
+       {"locate", "fragility", "obstacles", "coverage"},
        [](const StageInputs&, const LayersOptions&) -> Estimate {
          return {128 * kMebibyte, 8 * kMebibyte};
        },
        [](const StageInputs& in, const fs::path& out, const LayersOptions& options, base::RunContext& ctx) {
-         return layers_stage({in.survey, in.products / "targets.json", product(in, "fragility", "rocks.json"),
+         return layers_stage({in.survey, product(in, "locate", "targets.json"), product(in, "fragility", "rocks.json"),
                               product(in, "obstacles", "obstacles.json"), product(in, "coverage", "gaps.json")},
                              out, options, ctx);
        }});
 }
 
+std::unique_ptr<Stage> make_figures_stage() {
+  return make_function_stage<FigureOptions>(
+      {"figures",
+       {"fragility"},
+       {},
+       [](const StageInputs&, const FigureOptions&) -> Estimate {
+         return {300 * kMebibyte, 64 * kMebibyte};
+       },
+       [](const StageInputs& in, const fs::path& out, const FigureOptions& options, base::RunContext& ctx) {
+         const fs::path rocks = in.products / "rocks";
+         fs::create_directories(out / "rocks");
+         return figure_files(read_rock_results(rocks, in.products), rocks, in.survey, out / "rocks", options, ctx);
+       }});
+}
+
 using Maker = std::unique_ptr<Stage> (*)();
-constexpr std::array<std::pair<std::string_view, Maker>, 11> kStages{{{"locate", make_locate_stage},
+constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate", make_locate_stage},
                                                                       {"terrain", make_terrain_stage},
                                                                       {"segment", make_segment_stage},
                                                                       {"surface", make_surface_stage},
                                                                       {"fragility", make_fragility_stage},
+                                                                      {"figures", make_figures_stage},
                                                                       {"coverage", make_coverage_stage},
                                                                       {"obstacles", make_obstacles_stage},
                                                                       {"costmap", make_costmap_stage},
                                                                       {"route", make_route_stage},
                                                                       {"layers", make_layers_stage},
+                                                                      {"inventory", make_inventory_stage},
                                                                       {"report", make_report_stage}}};
 
 }  // namespace

@@ -92,13 +92,14 @@ std::string page_data(const PageContext& page) {
   return script_safe(json.dump(0));
 }
 
-Html navigation(const PageContext& page, bool coverage, bool ground) {
+Html navigation(const PageContext& page, bool site, bool coverage, bool ground) {
   Html h;
   h.raw("<nav class=\"contents\" aria-label=\"Sections\"><a class=\"brand\" href=\"#top\">")
       .text(page.title)
       .raw("</a>");
   h.raw("<a href=\"#explore\">Map</a>");
   if (!page.data.targets.empty()) h.raw("<a href=\"#objects\">Objects</a>");
+  if (site) h.raw("<a href=\"#site\">Rocks</a>");
   if (coverage) h.raw("<a href=\"#coverage\">Coverage</a>");
   if (ground) h.raw("<a href=\"#ground\">Route</a>");
   h.raw("<a href=\"#provenance\">Provenance</a><a href=\"#reading\">How to read</a></nav>");
@@ -115,7 +116,7 @@ std::string render_report(const ReportData& data, const ReportOptions& options) 
   base::validate(base::bind_options(checked), "report");
   check(data);
   const PageContext page(data, checked);
-  const Html coverage = coverage_section(page), ground = ground_section(page);
+  const Html site = site_section(page), coverage = coverage_section(page), ground = ground_section(page);
 
   Html h;
   h.raw(
@@ -133,7 +134,7 @@ std::string render_report(const ReportData& data, const ReportOptions& options) 
       .raw("</style>\n<script>")
       .made(kEarlyScript)
       .raw("</script>\n</head>\n<body>\n");
-  h.add(navigation(page, !coverage.empty(), !ground.empty()))
+  h.add(navigation(page, !site.empty(), !coverage.empty(), !ground.empty()))
       .raw("\n<main>\n")
       .add(header_section(page))
       .raw("\n")
@@ -143,6 +144,8 @@ std::string render_report(const ReportData& data, const ReportOptions& options) 
       "class=\"workspace\">");
   h.add(map_figure(page)).add(object_panel(page)).raw("</div></section>\n");
   h.add(table_section(page))
+      .raw("\n")
+      .add(site)
       .raw("\n")
       .add(coverage)
       .raw("\n")

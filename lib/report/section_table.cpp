@@ -110,8 +110,10 @@ void row(Html& h, const PageContext& page, const survey::Target& t) {
          3);
   number(h, if_cut([](const survey::Rock& r) { return static_cast<double>(r.point_count); }), 0);
   number(h, static_cast<double>(t.detections.size()), 0);
-  number(h, horizontal_sigma(t.covariance), 3);
-  number(h, std::sqrt(std::max(0.0, t.covariance(2, 2))), 3);
+  // A rock found in the cloud alone has no covariance.
+  const bool located = !t.covariance.isZero(0.0);
+  number(h, located ? std::optional(horizontal_sigma(t.covariance)) : std::nullopt, 3);
+  number(h, located ? std::optional(std::sqrt(std::max(0.0, t.covariance(2, 2)))) : std::nullopt, 3);
   for (Eigen::Index k = 0; k < 3; ++k) number(h, t.centre[k], 2);
   const geometry::Geodetic g = page.frame.to_geodetic(t.centre);
   number(h, g.latitude_deg, 7);

@@ -39,6 +39,7 @@ struct PageContext {
 [[nodiscard]] Html map_figure(const PageContext& page);
 [[nodiscard]] Html object_panel(const PageContext& page);  // one article a target
 [[nodiscard]] Html table_section(const PageContext& page);
+[[nodiscard]] Html site_section(const PageContext& page);  // two rocks or more
 [[nodiscard]] Html coverage_section(const PageContext& page);
 [[nodiscard]] Html ground_section(const PageContext& page);
 [[nodiscard]] Html provenance_section(const PageContext& page);

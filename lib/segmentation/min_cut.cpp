@@ -16,8 +16,13 @@ class Flow {
  public:
   Flow(std::size_t nodes, const std::vector<CutEdge>& edges, const std::vector<float>& to_source,
        const std::vector<float>& to_sink)
-      : first_(nodes + 1, 0), parent_(nodes, kNone), tree_(nodes, 0), residual_terminal_(nodes), stamp_(nodes, 0),
-        depth_(nodes, 0), queued_(nodes, 0) {
+      : first_(nodes + 1, 0),
+        parent_(nodes, kNone),
+        tree_(nodes, 0),
+        residual_terminal_(nodes),
+        stamp_(nodes, 0),
+        depth_(nodes, 0),
+        queued_(nodes, 0) {
     for (const auto& e : edges) ++first_[e.a + 1], ++first_[e.b + 1];
     for (std::size_t i = 0; i < nodes; ++i) first_[i + 1] += first_[i];
     auto next = first_;

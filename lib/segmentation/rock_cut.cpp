@@ -248,6 +248,9 @@ void add_label_columns(geometry::PointCloud& cloud, const RockCuts& cuts) {
   for (std::size_t i = 0; i < cloud.size(); ++i) label.values[i] = static_cast<double>(cuts.labels[i]);
   auto& target = cloud.add_scalar(kTargetIdColumn, geometry::ScalarType::u32, "rock instance; 4294967295 none");
   for (std::size_t i = 0; i < cloud.size(); ++i) target.values[i] = cuts.target_ids[i];
+  if (cuts.probability.size() != cloud.size()) return;
+  auto& sure = cloud.add_scalar(kProbabilityColumn, geometry::ScalarType::f32, "of the label, 0..1");
+  for (std::size_t i = 0; i < cloud.size(); ++i) sure.values[i] = static_cast<double>(cuts.probability[i]);
 }
 
 }  // namespace cairn::segmentation

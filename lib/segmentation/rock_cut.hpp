@@ -13,6 +13,7 @@
 #include "geometry/primitives.hpp"
 #include "segmentation/labels.hpp"
 #include "segmentation/local_ground.hpp"
+#include "survey/contact.hpp"
 #include "survey/ids.hpp"
 
 namespace cairn::segmentation {
@@ -65,6 +66,10 @@ struct RockCut {
   double threshold = 0.0;  // height above the ground from which a point counts as rock, m
   RockShape shape;
   std::vector<std::string> notes;  // codes: touches_crop, thin_ground
+  std::string method = "height";   // height: by height above the ground; crease: by the crease at its foot
+  survey::Contact contact;         // crease: the line where it rests; else empty
+  double concavity = 0.0;          // crease: mean bend along the contact
+  double noise = 0.0;              // crease: of the points about the surfaces at the contact, m
 };
 
 struct RockCuts {
@@ -73,6 +78,7 @@ struct RockCuts {
                                       // duplicate_of_target
   std::vector<Label> labels;          // one a point
   std::vector<std::uint32_t> target_ids;  // one a point, kNoTarget outside rocks
+  std::vector<float> probability;         // of the label, one a point, 0..1; empty where it was not judged
 };
 
 // points: of one rock; threshold [m]: height from which points counted as rock. Cost n log n.
@@ -88,7 +94,7 @@ struct RockCuts {
 [[nodiscard]] RockCuts cut_rocks(const geometry::PointCloud& cloud, const std::vector<RockTarget>& targets,
                                  const RockCutOptions& options, base::RunContext& ctx);
 
-// Writes the two columns into the cloud.
+// Writes the columns into the cloud: label, target_id and, where it was judged, probability.
 void add_label_columns(geometry::PointCloud& cloud, const RockCuts& cuts);
 
 }  // namespace cairn::segmentation

@@ -111,6 +111,17 @@ double ramp(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+// Length of the indicator's gradient over four cells, 1/m; no less than a fall over forty cells, for the division.
+double slope_of(const Lattice& lattice, std::span<const float> values, const Vec3& p) {
+  Vec3 gradient;
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const Vec3 way = 2.0 * lattice.step * Vec3::Unit(a);
+    gradient[a] =
+        (interpolate(lattice, values, p + way) - interpolate(lattice, values, p - way)) / (4.0 * lattice.step);
+  }
+  return std::max(gradient.norm(), 0.025 / lattice.step);
+}
+
 // The rock's values and the cap's, whose larger one counts; the cap's apart so that the crease between them stays
 // sharp.
 struct Fields {
@@ -212,28 +223,47 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
   if (levels.empty()) return result;
   const double level = median_of(std::move(levels));
 
+  // A bridge may be half as wide as the rock.
+  const double thickness = box.size().minCoeff();
+  const WideField wide(lattice, reach, 0.5 * thickness, cloud, frames.normals);
   Fields fields;
   fields.rock.resize(lattice.size());
   fields.cap.assign(lattice.size(), kNoCap);
   base::parallel_for(lattice.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t n = begin; n < end; ++n) {
-      const double far = std::clamp((level - interpolate(coarse, indicator, lattice.node(n))) * 1.5 * coarse.step,
-                                    -2.0 * step, 2.0 * step);
-      double value = far;
+      const double inside = interpolate(coarse, indicator, lattice.node(n)) - level;
+      const double far = std::clamp(-inside * 1.5 * coarse.step, -2.0 * step, 2.0 * step);
       const auto slot = band.slot[n];
-      if (slot >= 0) {
-        const auto& sphere = spheres[static_cast<std::size_t>(slot)];
-        const double trust = static_cast<double>(sphere.trust);
-        value = (1.0 - trust) * far + trust * static_cast<double>(sphere.u0);
+      const auto* sphere = slot < 0 ? nullptr : &spheres[static_cast<std::size_t>(slot)];
+      const double trust = sphere == nullptr ? 0.0 : static_cast<double>(sphere->trust);
+      double value = far;
+      // Where the indicator is undecided the points leave a gap: wider fits carry its surroundings' curvature across.
+      constexpr double kDecided = 0.4, kUndecided = 0.3;
+      const double open = ramp((kDecided - std::abs(inside)) / (kDecided - kUndecided));
+      if (trust < 1.0 && open > 0.0) {
+        // The indicator bridges flat, the wide fits as round as the rest is. Rocks are in between; but a gap as wide as
+        // the rock itself is its other side. Across a round gap the indicator's slope is 1 / diameter.
+        const double slope = slope_of(coarse, indicator, lattice.node(n));
+        const double round = 0.5 + 0.5 * ramp((1.0 / (slope * thickness) - 0.4) / 0.3);
+        const double bridged = round * wide.at(lattice.node(n), -inside / slope) - (1.0 - round) * inside / slope;
+        value = (1.0 - open) * far + open * std::clamp(bridged, -2.0 * step, 2.0 * step);
       }
+      if (sphere != nullptr) value = (1.0 - trust) * value + trust * static_cast<double>(sphere->u0);
       fields.rock[n] = static_cast<float>(value);
     }
   });
 
-  // Residuals of the points before the caps cut the field.
+  // Residuals by the fit at the nearest node.
   std::vector<double> residuals;
-  for (std::size_t i = 0; i < cloud.size(); ++i)
-    if (!frames.normals[i].isZero()) residuals.push_back(std::abs(interpolate(lattice, fields.rock, cloud[i])));
+  for (std::size_t i = 0; i < cloud.size(); ++i) {
+    if (frames.normals[i].isZero()) continue;
+    const Vec3 q = (cloud[i] - lattice.origin) / step;
+    const std::size_t n = lattice.index(std::lround(q.x()), std::lround(q.y()), std::lround(q.z()));
+    const auto slot = band.slot[n];
+    if (slot < 0 || spheres[static_cast<std::size_t>(slot)].trust < 0.5F) continue;
+    residuals.push_back(std::abs(spheres[static_cast<std::size_t>(slot)].at(cloud[i] - lattice.node(n))));
+  }
+  if (residuals.empty()) return result;
   constexpr double kSigmaOfMedian = 1.4826;
   result.noise = kSigmaOfMedian * median_of(std::move(residuals));
 

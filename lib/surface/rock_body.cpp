@@ -12,6 +12,7 @@
 #include "surface/cap_patch.hpp"
 #include "surface/implicit_surface.hpp"
 #include "surface/mesh_checks.hpp"
+#include "surface/mesh_repair.hpp"
 #include "surface/top_surface.hpp"
 #include "surface/triangulation.hpp"
 
@@ -246,17 +247,21 @@ std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const Bo
 }
 
 std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh) {
-  FlaggedMesh flagged;
-  flagged.mesh = geometry::weld(mesh);
-  if (flagged.mesh.triangles.empty()) return reject("flat_points", "the mesh has no triangle with area");
+  auto repaired = repair(mesh);
+  if (repaired.mesh.triangles.empty()) return reject("flat_points", "the mesh has no triangle with area");
+  constexpr double kMostMade = 0.5;
+  if (repaired.closed_share > kMostMade)
+    return reject("surface_not_closed", base::to_fixed(100.0 * repaired.closed_share, 0) +
+                                            " % of the closed surface would be made up; 50 % allowed");
   RockBody body;
   body.method = kGiven;
-  body.cap = survey::CapModel::none;
-  if (geometry::mass_properties(flagged.mesh).volume < 0.0) {
-    flagged.mesh = geometry::flipped(flagged.mesh);
-    body.notes.emplace_back("turned_outwards");
-  }
-  flagged.seen.assign(flagged.mesh.triangles.size(), 1);
+  body.cap = repaired.base.empty() ? survey::CapModel::none : survey::CapModel::patch;
+  body.contact = std::move(repaired.base);
+  body.cap_height_sigma = repaired.base_roughness;
+  body.notes = std::move(repaired.notes);
+  FlaggedMesh flagged;
+  flagged.mesh = std::move(repaired.mesh);
+  for (const auto made : repaired.made) flagged.seen.push_back(made != 0 ? 0 : 1);
   return finish(std::move(flagged), std::move(body));
 }
 

@@ -65,7 +65,7 @@ struct RockBody {
   survey::Contact contact;        // the line the cap was laid through; assumed where the input had none
   bool contact_assumed = true;
   // Codes: implicit_unsupported, stray_points, pieces_dropped, offset_kept, wrap_leaked, turned_outwards,
-  // self_intersecting, unwelded, degenerate_triangles, holes_closed, base_closed.
+  // self_intersecting; of given meshes those of mesh_repair.hpp.
   std::vector<std::string> notes;
 };
 
@@ -75,9 +75,11 @@ struct RockBody {
 // volumes of such meshes are never reported.
 [[nodiscard]] std::variant<RockBody, base::Reject> build_body(const BodyInput& input, const BodyOptions& options);
 
-// Quality, mass and hull of a mesh that is there already (welded, turned outwards where its volume is
-// negative). Everything counts as seen. One that passes through itself is kept, with the note
-// self_intersecting and watertight = false: its mass properties are those of the signed sums.
+// Quality, mass and hull of a mesh that is there already, after `repair` (mesh_repair.hpp): welded, agreeing, outwards,
+// an open base and holes closed. What was made counts as unseen; with a closed base the cap is `patch` and `contact`
+// its outline, assumed. One that passes through itself is kept, with the note self_intersecting and watertight = false:
+// its mass properties are those of the signed sums. Rejects beside the above: surface_not_closed where more than half
+// of the surface would have to be made.
 [[nodiscard]] std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh);
 
 }  // namespace cairn::surface

@@ -68,7 +68,7 @@ double plane_weight(double d, double reach) {
 
 }  // namespace
 
-NodeBand fit_planes(const Lattice& lattice, std::span<const Vec3> points, double reach) {
+NodeBand nodes_in_reach(const Lattice& lattice, std::span<const Vec3> points, double reach) {
   NodeBand band;
   band.reach = reach;
   band.slot.assign(lattice.size(), -1);
@@ -79,6 +79,11 @@ NodeBand fit_planes(const Lattice& lattice, std::span<const Vec3> points, double
       band.slot[n] = static_cast<std::int32_t>(band.nodes.size());
       band.nodes.push_back(static_cast<std::uint32_t>(n));
     }
+  return band;
+}
+
+NodeBand fit_planes(const Lattice& lattice, std::span<const Vec3> points, double reach) {
+  NodeBand band = nodes_in_reach(lattice, points, reach);
   std::vector<PlaneSums> sums(band.nodes.size());
   for (const auto& p : points)
     each_node_in_reach(lattice, p, reach, [&](std::size_t n, double dx, double dy, double dz, double share) {

@@ -39,6 +39,9 @@ struct NodeBand {
 // points: in order of position for cache's sake; reach [m]. Cost: points x nodes in reach.
 [[nodiscard]] NodeBand fit_planes(const Lattice& lattice, std::span<const geometry::Vec3> points, double reach);
 
+// The band alone, without planes.
+[[nodiscard]] NodeBand nodes_in_reach(const Lattice& lattice, std::span<const geometry::Vec3> points, double reach);
+
 // Turns the normals outwards: of the two sides of the surface the one from which more of 26 straight ways leave the
 // lattice past all points (`more`: further points that block, without a plane). Then neighbours vote.
 // Needs gaps in the points smaller than the rest of the surface; cost 26 x nodes.
@@ -58,5 +61,24 @@ struct PointFrames {
 [[nodiscard]] std::vector<LocalSphere> fit_spheres(const Lattice& lattice, const NodeBand& band,
                                                    std::span<const geometry::Vec3> points,
                                                    std::span<const geometry::Vec3> normals);
+
+// Spheres over ever wider reaches, for places where the points leave gaps: levels 1, 2, .. of twice the step and reach
+// each, on the nodes that `lattice` shares with them, from points thinned to their cells.
+class WideField {
+ public:
+  // Levels up to a reach of `widest` [m], and as far as the lattice can be halved.
+  WideField(const Lattice& lattice, double reach, double widest, std::span<const geometry::Vec3> points,
+            std::span<const geometry::Vec3> normals);
+  // Signed distance from the narrowest levels that are trusted at p; what they leave open is `otherwise`.
+  [[nodiscard]] double at(const geometry::Vec3& p, double otherwise) const;
+
+ private:
+  struct Level {
+    Lattice lattice;
+    NodeBand band;
+    std::vector<LocalSphere> spheres;
+  };
+  std::vector<Level> levels_;
+};
 
 }  // namespace cairn::surface

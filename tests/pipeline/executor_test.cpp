@@ -16,12 +16,14 @@ namespace fs = std::filesystem;
 struct Counts {
   int first = 0, second = 0;
   bool second_fails = false;
+  bool first_lacks = false;
 };
 
 class First final : public Stage {
  public:
   explicit First(Counts& counts) : counts_(counts) {}
   [[nodiscard]] std::string_view name() const override { return "first"; }
+  [[nodiscard]] std::string missing(const StageInputs&) const override { return counts_.first_lacks ? "boxes" : ""; }
   [[nodiscard]] base::VisitOptions options() override {
     return [this](base::OptionVisitor& v) { v.integer("factor", factor_, 0, 100, "a factor"); };
   }
@@ -176,6 +178,24 @@ TEST_F(ExecutorTest, RecipesThatCannotWorkAreRefused) {
   recipe_.stages = {{"first", {{"factor", "1000"}}}};
   EXPECT_THROW(run(), base::Error);
   EXPECT_EQ(counts_.first, 0);
+}
+
+// An optional stage is left out where the survey lacks what it works on, and its products with it.
+TEST_F(ExecutorTest, OptionalStagesAreLeftOut) {
+  recipe_.stages = {{"first", {}, true}};
+  EXPECT_EQ(run().stages.at(0).state, "ran");
+  EXPECT_TRUE(fs::exists(options_.out / "first.txt"));
+  counts_.first_lacks = true;
+  EXPECT_EQ(run().stages.at(0).state, "skipped: no boxes");
+  EXPECT_FALSE(fs::exists(options_.out / "first.txt"));
+  EXPECT_TRUE(fs::exists(options_.out / "run.json"));
+  counts_.first_lacks = false;
+  EXPECT_EQ(run().stages.at(0).state, "ran");
+  // Not optional: the stage itself says what is wrong.
+  counts_.first_lacks = true;
+  recipe_.stages = {{"first", {}, false}};
+  options_.overwrite = true;
+  EXPECT_EQ(run().stages.at(0).state, "ran");
 }
 
 }  // namespace

@@ -67,7 +67,7 @@ TEST(RockStages, FromSurveyToRecords) {
   }
   EXPECT_THAT(reasons, ::testing::ElementsAre("not_above_ground", "cloud_missing"));
   const auto& post = file.rocks[1];
-  EXPECT_EQ(post.cap, survey::CapModel::wrap);
+  EXPECT_EQ(post.cap, survey::CapModel::plane);
   EXPECT_EQ(post.tipping.grade, survey::Grade::screening);
   EXPECT_EQ(post.tipping.a_qs_g_by_azimuth.size(), 360U);
   EXPECT_NEAR(post.size_m.x(), 1.0, 0.02);

@@ -51,7 +51,7 @@ TEST(RockBody, SparseDomeFromAbove) {
   // Chords cut the dome and its rim: the error falls with the spacing.
   double previous = 1.0;
   for (const std::size_t count : {60U, 400U, 3000U}) {
-    const auto body = must(build_body({{points.data(), count}, ground_at_zero, 0.03, 0.0}, {}));
+    const auto body = must(build_body({{points.data(), count}, ground_at_zero, 0.03, 0.0, {}}, {}));
     expect_sound(body);
     EXPECT_EQ(body.method, "top");
     EXPECT_EQ(body.cap, survey::CapModel::plane);
@@ -82,9 +82,15 @@ std::vector<Vec3> scanned_ellipsoid(double spacing, double noise) {
   return points;
 }
 
+BodyOptions wrap() {
+  BodyOptions options;
+  options.method = "wrap";
+  return options;
+}
+
 TEST(RockBody, WrapOfARockSeenAllRound) {
   const auto points = scanned_ellipsoid(0.02, 0.0);
-  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0}, {}));
+  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0, {}}, wrap()));
   expect_sound(body);
   EXPECT_EQ(body.method, "wrap");
   EXPECT_EQ(body.cap, survey::CapModel::wrap);
@@ -107,7 +113,7 @@ TEST(RockBody, WrapOfACylinderOfRandomPoints) {
     const double r = i < 9400 ? 0.5 : 0.5 * std::sqrt(random.uniform());
     points.emplace_back(r * std::cos(angle), r * std::sin(angle), i < 9400 ? random.uniform(0.05, 1.2) : 1.2);
   }
-  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0}, {}));
+  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0, {}}, wrap()));
   expect_sound(body);
   EXPECT_EQ(body.method, "wrap");
   EXPECT_NEAR(body.mass.volume / (std::numbers::pi * .25 * 1.2), 1.0, 0.02);
@@ -122,24 +128,22 @@ TEST(RockBody, WrapThatLeaksIsNotUsed) {
       const double angle = std::numbers::pi * i / 60;
       points.emplace_back(0.5 * std::cos(angle), 0.5 * std::sin(angle), 0.02 * k);
     }
-  BodyOptions options;
-  options.method = "wrap";
-  const auto result = build_body({points, ground_at_zero, 0.02, 1.0}, options);
+  const auto result = build_body({points, ground_at_zero, 0.02, 1.0, {}}, wrap());
   ASSERT_TRUE(std::holds_alternative<base::Reject>(result));
   EXPECT_EQ(std::get<base::Reject>(result).reason, "wrap_leaks");
 }
 
 TEST(RockBody, MethodIsChosenByWhatWasSeen) {
   const auto points = scanned_ellipsoid(0.02, 0.0);
-  EXPECT_EQ(must(build_body({points, ground_at_zero, 0.01, 0.2}, {})).method, "top");
+  EXPECT_EQ(must(build_body({points, ground_at_zero, 0.01, 0.2, {}}, {})).method, "top");
   BodyOptions top;
   top.method = "top";
-  EXPECT_EQ(must(build_body({points, ground_at_zero, 0.01, 1.0}, top)).method, "top");
+  EXPECT_EQ(must(build_body({points, ground_at_zero, 0.01, 1.0, {}}, top)).method, "top");
 }
 
 TEST(RockBody, RejectsWhatHasNoBody) {
   const auto reason = [](const std::vector<Vec3>& points) {
-    const auto result = build_body({points, ground_at_zero, 0.1, 0.0}, {});
+    const auto result = build_body({points, ground_at_zero, 0.1, 0.0, {}}, {});
     const auto* why = std::get_if<base::Reject>(&result);
     return why != nullptr ? why->reason : std::string("none");
   };
@@ -148,26 +152,47 @@ TEST(RockBody, RejectsWhatHasNoBody) {
   EXPECT_EQ(reason({{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}), "flat_points");
 }
 
-TEST(RockBody, GivenMeshes) {
-  const auto inward = must(body_of(geometry::flipped(block(1, 1, 3))));
-  expect_sound(inward);
-  EXPECT_THAT(inward.notes, ::testing::Contains("turned_outwards"));
-  EXPECT_NEAR(inward.mass.volume, 3.0, 1e-12);
-  EXPECT_NEAR(inward.hull_volume, 3.0, 1e-12);
+// No contact is given: the foot is dropped to the ground and its outline told as assumed.
+TEST(RockBody, ImplicitOfARockSeenAllRound) {
+  const auto points = scanned_ellipsoid(0.02, 0.005);
+  const auto body = must(build_body({points, ground_at_zero, 0.01, 1.0, {}}, {}));
+  expect_sound(body);
+  EXPECT_EQ(body.method, "implicit");
+  EXPECT_EQ(body.cap, survey::CapModel::plane);
+  EXPECT_TRUE(body.contact_assumed);
+  EXPECT_GT(body.contact.size(), 10U);
+  for (const auto& v : body.contact) {
+    EXPECT_EQ(v.position.z(), 0.0);
+    EXPECT_FALSE(v.observed);
+  }
+  const auto exact = exact_truncated_ellipsoid(.5, .4, .6, .45);
+  EXPECT_NEAR(body.mass.volume / exact.volume, 1.0, 0.02);
+  EXPECT_NEAR(body.mass.centre_of_mass.z(), exact.centre_of_mass.z() + .45, 0.01);
+  EXPECT_GT(body.cap_height_sigma, 0.0);
+}
 
-  auto open = block(1, 1, 3);
-  open.triangles.pop_back();
-  auto result = body_of(open);
-  ASSERT_TRUE(std::holds_alternative<base::Reject>(result));
-  EXPECT_EQ(std::get<base::Reject>(result).reason, "surface_not_closed");
+// A rock on a pedestal, the ground far below: the base lies at the lowest band, not on the ground.
+TEST(RockBody, NoVisibleBase) {
+  const auto points = scanned_ellipsoid(0.02, 0.005);
+  const auto deep = [](const Vec2&) { return -1.0; };
+  const auto body = must(build_body({points, deep, 0.01, 1.0, {}}, {}));
+  expect_sound(body);
+  EXPECT_GT(body.mesh.bounds().min.z(), 0.0);
+  EXPECT_TRUE(body.contact_assumed);
+}
 
-  auto two = block(1, 1, 3);
-  const auto other = moved(block(1, 1, 3), {3, 0, 0});
-  for (const auto& t : other.triangles) two.triangles.push_back({t[0] + 8, t[1] + 8, t[2] + 8});
-  two.vertices.insert(two.vertices.end(), other.vertices.begin(), other.vertices.end());
-  result = body_of(two);
+TEST(RockBody, PlanarCloudHasNoImplicitSurface) {
+  std::vector<Vec3> points;
+  for (int i = 0; i < 40; ++i)
+    for (int k = 0; k < 40; ++k) points.emplace_back(0.02 * i, 0.02 * k, 0.5);
+  BodyOptions options;
+  options.method = "implicit";
+  const auto result = build_body({points, ground_at_zero, 0.02, 1.0, {}}, options);
   ASSERT_TRUE(std::holds_alternative<base::Reject>(result));
-  EXPECT_EQ(std::get<base::Reject>(result).reason, "several_pieces");
+  EXPECT_EQ(std::get<base::Reject>(result).reason, "implicit_unsupported");
+  const auto body = must(build_body({points, ground_at_zero, 0.02, 1.0, {}}, {}));
+  EXPECT_EQ(body.method, "top");
+  EXPECT_THAT(body.notes, ::testing::Contains("implicit_unsupported"));
 }
 
 }  // namespace
