@@ -113,7 +113,7 @@ TEST_F(ReviewCommand, MergeAndSplitComputeOnlyWhatTheyTouch) {
     EXPECT_NEAR(now.at(id).mass->volume, kPostVolume_m3, kMeshTolerance * kPostVolume_m3) << id;
     EXPECT_EQ(now.at(id).point_count, 2500U);
   }
-  EXPECT_LT(before.at(2).mass->volume, 0.6 * now.at(2).mass->volume);
+  EXPECT_LT(before.at(2).mass->volume, 0.8 * now.at(2).mass->volume);  // half of the post, closed on top by the surface
   // What no decision touches is the same to the byte, in its files and in its record.
   expect_same_files(1, folder_ / "out");
   EXPECT_EQ(::cairn::io::to_json(before.at(1)).dump(), ::cairn::io::to_json(now.at(1)).dump());
