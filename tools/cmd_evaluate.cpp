@@ -150,7 +150,9 @@ class EvaluateCommand final : public Command {
       auto in = segmentation_;
       in.labelled = in_.result;
       in.truth = in_.truth;
-      return pipeline::evaluate_segmentation(in, segmentation_options_, ctx);
+      auto how = segmentation_options_;
+      how.least_iou = options_.iou;
+      return pipeline::evaluate_segmentation(in, how, ctx);
     }
     return pipeline::evaluate_trajectory(in_, options_, ctx);
   }

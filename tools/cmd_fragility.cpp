@@ -1,7 +1,10 @@
 // cairn fragility MESH|DIR [--contact C.csv] -o OUT
+#include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "pipeline/fragility_stage.hpp"
+#include "pipeline/rock_products.hpp"
 #include "pipeline/run_record.hpp"
+#include "pipeline/shake_stage.hpp"
 #include "tools/command.hpp"
 
 namespace cairn::tools {
@@ -15,25 +18,38 @@ class FragilityCommand final : public Command {
     arguments.option("contact", files_.contact, "contact.csv: the digitised basal contact");
     arguments.option("coverage", files_.coverage,
                      "Folder of 'cairn coverage' (or its gaps.json), same frame as the mesh");
+    arguments.option("shake", shake_, "Records of ground motion: run them instead (AT2, SMC, COSMOS V2, tables)");
+    arguments.option("scale", scale_, "Scales of the records: first:last:step, or a list");
+    arguments.option("model", models_, "Published fragility models (JSON) to evaluate beside the records");
+    arguments.option("pulse-tests", pulse_tests_,
+                     "CSV of pga_g,pgv_over_pga_s: probability that one cosine overturns the mesh on a plane");
     arguments.options(base::bind_options(options_));
+    arguments.option("survey", products_.survey, "Survey folder, for --figures: photographs with the contact line");
+    arguments.options(base::bind_options(products_));
+    arguments.options(base::bind_options(shake_options_));
+    arguments.options(base::bind_options(pulse_options_));
     arguments.example("cairn fragility surfaces -o fragility --json");
     arguments.example("cairn fragility rock.ply --contact contact.csv --density 2650 -o fragility");
+    arguments.example("cairn fragility rock.ply --shake record.AT2 --scale 0.1:2:0.1 -o shaken --json");
   }
 
   CommandResult run(const Arguments& arguments, base::RunContext& ctx) override {
     base::validate(base::bind_options(options_), "fragility");
+    base::validate(base::bind_options(products_), "fragility");
+    if (!shake_.empty() || !pulse_tests_.empty()) return shake(arguments, ctx);
     std::vector<std::filesystem::path> named = {files_.input};
     if (!files_.contact.empty()) named.push_back(files_.contact);
     if (!files_.coverage.empty()) named.push_back(files_.coverage);
+    if (!products_.survey.empty()) named.push_back(products_.survey / "survey.json");
     const auto inputs = pipeline::digest_inputs(named);
     if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
-    const io::Json sources = arguments.resolved(true);
-    const io::Json* density = sources.find("density");
-    const bool assumed = density == nullptr || density->at("source").as_string() == "default";
+    const bool assumed = density_assumed(arguments);
     const auto outcome = pipeline::run_to_folder(
         out_, arguments.common.overwrite, {"fragility", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
         [&](const std::filesystem::path& staged) {
-          return pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          auto result = pipeline::fragility_files(files_, staged, assumed, options_, ctx);
+          pipeline::add_rock_products(files_.input, staged, products_, {}, result, ctx);
+          return result;
         },
         ctx);
     return {outcome.summary, text_of(outcome),
@@ -41,6 +57,71 @@ class FragilityCommand final : public Command {
   }
 
  private:
+  [[nodiscard]] static bool density_assumed(const Arguments& arguments) {
+    const io::Json sources = arguments.resolved(true);
+    const io::Json* density = sources.find("density");
+    return density == nullptr || density->at("source").as_string() == "default";
+  }
+
+  // Rocking instead of tipping: records, or a table of pulses.
+  CommandResult shake(const Arguments& arguments, base::RunContext& ctx) {
+    base::validate(base::bind_options(shake_options_), "fragility --shake");
+    base::validate(base::bind_options(pulse_options_), "fragility --pulse-tests");
+    if (!shake_.empty() && !pulse_tests_.empty())
+      throw base::Error(base::ErrorCode::invalid_argument, "--shake and --pulse-tests exclude one another");
+    pipeline::ShakeFiles in{
+        files_.input, files_.contact, {shake_.begin(), shake_.end()}, {models_.begin(), models_.end()}};
+    const auto scales = pipeline::parse_scales(scale_);
+    std::vector<std::filesystem::path> named = {in.input};
+    for (const auto& more : {in.contact, pulse_tests_})
+      if (!more.empty()) named.push_back(more);
+    named.insert(named.end(), in.records.begin(), in.records.end());
+    named.insert(named.end(), in.models.begin(), in.models.end());
+    const auto inputs = pipeline::digest_inputs(named);
+    if (arguments.common.dry_run) return {io::Json::object({{"would_write", out_.string()}}), "Inputs can be read\n"};
+    pulse_options_.eta_share_max = shake_options_.suite.eta_share_max;
+    pulse_options_.rocking = shake_options_.suite.rocking;
+    const auto outcome = pipeline::run_to_folder(
+        out_, arguments.common.overwrite, {"fragility", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
+        [&](const std::filesystem::path& staged) {
+          if (!pulse_tests_.empty())
+            return pipeline::pulse_test_files(in.input, pulse_tests_, staged, pulse_options_, ctx);
+          auto result = pipeline::shake_files(in, staged, scales, shake_options_, options_, ctx);
+          if (products_.any()) {
+            // The products read the tipping results, which stand beside those of the records then.
+            (void)pipeline::fragility_files(files_, staged, density_assumed(arguments), options_, ctx);
+            pipeline::add_rock_products(files_.input, staged, products_, {in.records, scales, shake_options_.record},
+                                        result, ctx);
+          }
+          return result;
+        },
+        ctx);
+    std::string text;
+    if (const auto* rocks = outcome.summary.find("rocks"))
+      for (const auto& rock : rocks->as_array())
+        text += "rock " + rock.at("name").as_string() + ": " + rock.at("grade").as_string() + ", " +
+                std::to_string(rock.at("toppled").as_integer()) + " of " +
+                std::to_string(rock.at("runs").as_integer()) + " runs toppled\n";
+    if (const auto* accuracy = outcome.summary.find("accuracy"))
+      text += "accuracy " + base::to_fixed(accuracy->as_real(), 3) + ", Brier score " +
+              base::to_fixed(outcome.summary.at("brier").as_real(), 3) + "\n";
+    text += checks_text(outcome);
+    for (const auto& reject : outcome.rejects)
+      text += reject.record + ": " + reject.reason + ", " + reject.message + "\n";
+    return {outcome.summary, text + "Results in " + out_.string() + "\n",
+            outcome.rejects.empty() ? base::ExitCode::ok : base::ExitCode::item_failures};
+  }
+
+  [[nodiscard]] static std::string checks_text(const pipeline::Outcome& outcome) {
+    std::string text;
+    if (const auto* checks = outcome.summary.find("dynamics"))
+      for (const auto& check : checks->as_array())
+        text += "rock " + check.at("name").as_string() + ": " + std::to_string(check.at("toppled_3d").as_integer()) +
+                " of " + std::to_string(check.at("runs").as_integer()) + " motions topple it in three dimensions, " +
+                std::to_string(check.at("toppled_plane").as_integer()) + " in the plane\n";
+    return text;
+  }
+
   // What the draws and the contact's bounds leave open.
   [[nodiscard]] static std::string spread_of(const io::Json& rock) {
     std::string text;
@@ -75,14 +156,20 @@ class FragilityCommand final : public Command {
         reasons += (reasons.empty() ? " (" : ", ") + reason.as_string();
       text += reasons + (reasons.empty() ? "\n" : ")\n");
     }
+    text += checks_text(outcome);
     for (const auto& reject : outcome.rejects)
       text += reject.record + ": " + reject.reason + ", " + reject.message + "\n";
     return text + "Results in " + out_.string() + "\n";
   }
 
   pipeline::FragilityFiles files_;
-  std::filesystem::path out_;
+  std::filesystem::path out_, pulse_tests_;
+  std::vector<std::string> shake_, models_;
+  std::string scale_ = "1";
+  pipeline::ShakeOptions shake_options_;
+  fragility::PulseTestOptions pulse_options_;
   fragility::FragilityOptions options_;
+  pipeline::RockProductOptions products_;
 };
 
 }  // namespace

@@ -96,6 +96,8 @@ std::optional<RestingPose> resting_pose(std::span<const Vec3> points, const Vec3
     // First the point below along z, then the foot of the perpendicular.
     Vec3 foot = centre + depth * normal;
     if (!rolling && normal.z() < -1e-9) foot = centre + Vec3(0, 0, depth / normal.z());
+    // A facet that does not face down is left by its lowest side.
+    if (!rolling && !(normal.z() < -1e-9)) foot = points[(*facet)[0]] - 1e6 * Vec3::UnitZ();
     int worst = -1;
     double outside = 1e-12;
     for (int k = 0; k < 3; ++k) {

@@ -39,12 +39,15 @@ RockingProfile profile_of_corners(std::span<const Vec2> corners, double inertia)
   return profile;
 }
 
-template <typename Change>
-RockingProfile with_eta(RockingProfile profile, Change change) {
-  for (std::size_t i = 0; i < profile.toes.size(); ++i) {
-    auto& toe = profile.toes[i];
-    if (i + 1 < profile.toes.size()) toe.eta_from_up = change(toe.eta_from_up);
-    if (i > 0) toe.eta_from_down = change(toe.eta_from_down);
+// kept(energy ratio of a passage there and back) gives the new ratio; pairs that stop the body stay as they are.
+template <typename Kept>
+RockingProfile with_energy(RockingProfile profile, Kept kept) {
+  for (std::size_t i = 0; i + 1 < profile.toes.size(); ++i) {
+    double &down = profile.toes[i].eta_from_up, &up = profile.toes[i + 1].eta_from_down;
+    if (!(down > 0.0) || !(up > 0.0)) continue;
+    const double factor = std::sqrt(kept(down * up) / (down * up));
+    down *= factor;
+    up *= factor;
   }
   return profile;
 }
@@ -61,9 +64,12 @@ void validate(const RockingProfile& profile) {
   if (profile.switches[profile.rest] != 0.0) refuse("a rocking profile must rest at 0");
   for (const auto& toe : profile.toes)
     if (!(toe.p_squared > 0.0) || !std::isfinite(toe.p_squared) || !std::isfinite(toe.alpha) ||
-        !std::isfinite(toe.gain) || !(std::abs(toe.eta_from_up) <= 1.0 + 1e-12) ||
-        !(std::abs(toe.eta_from_down) <= 1.0 + 1e-12))
-      refuse("a toe of a rocking profile needs a finite angle, p > 0 and eta within -1..1");
+        !std::isfinite(toe.gain) || !std::isfinite(toe.eta_from_up) || !std::isfinite(toe.eta_from_down))
+      refuse("a toe of a rocking profile needs finite values and p > 0");
+  for (std::size_t i = 0; i + 1 < profile.toes.size(); ++i)
+    if (profile.toes[i].eta_from_up > 0.0 &&
+        profile.toes[i].eta_from_up * profile.toes[i + 1].eta_from_down > 1.0 + 1e-9)
+      refuse("an impact of a rocking profile gains energy");
   if (!(profile.toes[profile.rest].alpha < 0.0) || !(profile.toes[profile.rest + 1].alpha > 0.0))
     refuse("the rest of a rocking profile is not stable");
 }
@@ -82,10 +88,13 @@ TopplingAngles toppling_angles(const RockingProfile& profile) {
       const double r = height / start;
       const bool last = sign > 0 ? i + 1 == profile.toes.size() : i == 0;
       const double to = last ? sign * kHalfPi : (sign > 0 ? profile.switches[i] : profile.switches[i - 1]);
-      const bool inside = sign * toe.alpha > sign * from && sign * toe.alpha < sign * to;
-      if (inside && r > best_height) {
-        best_height = r;
-        best = toe.alpha;
+      // The potential rises to the toe's alpha where that lies ahead, else to the end of its range or not at all.
+      const double stop = sign * std::min(sign * to, kHalfPi);
+      const bool inside = sign * toe.alpha > sign * from && sign * toe.alpha < sign * stop;
+      const double highest = inside ? r : r * std::cos(toe.alpha - stop);
+      if (highest > best_height) {
+        best_height = highest;
+        best = inside ? toe.alpha : stop;
       }
       if (last || sign * to >= kHalfPi) break;
       height = r * std::cos(toe.alpha - to);
@@ -178,11 +187,11 @@ std::optional<RockingProfile> hull_profile(std::span<const Vec3> points, const g
 }
 
 RockingProfile with_restitution(RockingProfile profile, double share) {
-  return with_eta(std::move(profile), [share](double eta) { return eta + share * (1.0 - eta); });
+  return with_energy(std::move(profile), [share](double energy) { return energy + share * (1.0 - energy); });
 }
 
 RockingProfile with_fixed_restitution(RockingProfile profile, double eta) {
-  return with_eta(std::move(profile), [eta](double) { return eta; });
+  return with_energy(std::move(profile), [eta](double) { return eta * eta; });
 }
 
 }  // namespace cairn::fragility

@@ -19,7 +19,7 @@ struct Toe {
   double p_squared = 0.0;    // g R cos(delta) m / I, rad^2/s^2, > 0
   double gain = 1.0;         // (u . edge normal) / cos(delta): how much of the horizontal acceleration acts; 1 if level
   double eta_from_up = 1.0;  // angular velocity kept when the pivot comes here from the next toe (theta falling)
-  double eta_from_down = 1.0;  // likewise from the toe before (theta rising); both in -1..1
+  double eta_from_down = 1.0;  // likewise from the toe before (theta rising)
 };
 
 // A body seen in one vertical plane. At theta = switches[i] the body lies on toes i and i + 1 together.
@@ -33,7 +33,7 @@ struct RockingProfile {
 // (alpha of toe rest < 0 < alpha of toe rest + 1).
 void validate(const RockingProfile& profile);
 
-// theta of the highest potential on each side: beyond it the body falls on by itself.
+// theta of the highest potential on each side, within 90 degrees: beyond it the body falls on by itself.
 struct TopplingAngles {
   double down = 0.0;  // rad, < 0
   double up = 0.0;    // rad, > 0
@@ -65,10 +65,11 @@ struct TopplingAngles {
 [[nodiscard]] std::optional<RockingProfile> hull_profile(std::span<const geometry::Vec3> points,
                                                          const geometry::MassProperties& mass, double azimuth_deg);
 
-// The pivots' impacts lose less than angular momentum about a point says when contacts are uneven: every
-// eta becomes eta + share (1 - eta), share in 0..1 (0 leaves the geometry's).
+// Energy kept at a passage there and back is eta_from_up eta_from_down (one eta alone may exceed 1: a nearer toe makes
+// the body turn faster). Impacts on uneven contacts lose less than angular momentum about a point says: of what each
+// pair loses, `share` (0..1) is given back; 0 leaves the geometry's.
 [[nodiscard]] RockingProfile with_restitution(RockingProfile profile, double share);
-// Or one value for all.
+// Or the same energy for every pair: eta_from_up eta_from_down = eta^2, eta in 0..1.
 [[nodiscard]] RockingProfile with_fixed_restitution(RockingProfile profile, double eta);
 
 }  // namespace cairn::fragility

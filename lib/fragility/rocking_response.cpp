@@ -46,6 +46,18 @@ class Step {
     k_[6] = slope(1.0, to_);
   }
 
+  // Prepares dense().
+  void extend() {
+    constexpr std::array<double, 7> d = {-12715105075.0 / 11282082432,  0.0,
+                                         87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
+                                         701980252875.0 / 199316789632, -1453857185.0 / 822651844,
+                                         69997945.0 / 29380423};
+    for (std::size_t i = 0; i < 7; ++i) {
+      fourth_.theta += d[i] * k_[i].theta;
+      fourth_.rate += d[i] * k_[i].rate;
+    }
+  }
+
   [[nodiscard]] State to() const { return to_; }
 
   // Of theta and of its rate.
@@ -60,23 +72,14 @@ class Step {
     return {h_ * sum.theta, h_ * sum.rate};
   }
 
-  // State at share s of the step, 0..1.
+  // State at share s of the step, 0..1; after extend().
   [[nodiscard]] State dense(double s) const {
-    constexpr std::array<double, 7> d = {-12715105075.0 / 11282082432,  0.0,
-                                         87487479700.0 / 32700410799,   -10690763975.0 / 1880347072,
-                                         701980252875.0 / 199316789632, -1453857185.0 / 822651844,
-                                         69997945.0 / 29380423};
-    State fourth;
-    for (std::size_t i = 0; i < 7; ++i) {
-      fourth.theta += d[i] * k_[i].theta;
-      fourth.rate += d[i] * k_[i].rate;
-    }
     const auto blend = [&](double y0, double y1, double k0, double k6, double last) {
       const double difference = y1 - y0, bulge = h_ * k0 - difference;
       return y0 + s * (difference + (1.0 - s) * (bulge + s * (difference - h_ * k6 - bulge + (1.0 - s) * h_ * last)));
     };
-    return {blend(from_.theta, to_.theta, k_[0].theta, k_[6].theta, fourth.theta),
-            blend(from_.rate, to_.rate, k_[0].rate, k_[6].rate, fourth.rate)};
+    return {blend(from_.theta, to_.theta, k_[0].theta, k_[6].theta, fourth_.theta),
+            blend(from_.rate, to_.rate, k_[0].rate, k_[6].rate, fourth_.rate)};
   }
 
  private:
@@ -99,7 +102,7 @@ class Step {
   const Toe& toe_;
   const Drive& drive_;
   double offset_, h_;
-  State from_, to_;
+  State from_, to_, fourth_;
   std::array<State, 7> k_{};
 };
 
@@ -196,16 +199,19 @@ class Rocker {
     const Toe& toe = profile_.toes[toe_];
     double length = std::min({input_.dt - offset, next_length_, max_step_});
     for (;;) {
-      const Step step(toe, drive, offset, length, state_);
+      Step step(toe, drive, offset, length, state_);
       const State error = step.error();
-      const double worst = std::max(std::abs(error.theta) / angle_scale_,
-                                    std::abs(error.rate) / (angle_scale_ * std::sqrt(toe.p_squared))) /
-                           tolerance_;
+      // A body that falls far past its toppling angle is followed to the same share of where it is.
+      const double scale = std::max(angle_scale_, std::abs(state_.theta));
+      const double worst =
+          std::max(std::abs(error.theta), std::abs(error.rate) / std::sqrt(toe.p_squared)) / (scale * tolerance_);
       if (worst > 1.0 && length > 1e-12 * input_.dt) {
         length *= std::max(0.2, 0.9 * std::pow(worst, -0.2));
         continue;
       }
-      next_length_ = length * std::clamp(0.9 * std::pow(std::max(worst, 1e-10), -0.2), 0.5, 5.0);
+      constexpr double kSmooth = 1e-4;  // below this the step grows as far as it may
+      next_length_ = length * (worst < kSmooth ? 5.0 : std::clamp(0.9 * std::pow(worst, -0.2), 0.5, 5.0));
+      step.extend();
       const double share = event_share(step);
       const bool whole = share >= 1.0;
       const double end = whole && length == input_.dt - offset ? input_.dt : offset + share * length;
@@ -230,7 +236,7 @@ class Rocker {
     const double lo = lower(), hi = upper();
     // A turn inside the step may hide a crossing, or follow a start on the switch itself.
     double turn = -1.0;
-    if (state_.rate * to.rate < 0.0) turn = bisect([&](double s) { return step.dense(s).rate; }, 0.0, 1.0);
+    if (state_.rate * to.rate < 0.0) turn = root([&](double s) { return step.dense(s).rate; }, 0.0, 1.0);
     for (const double s : {turn, 1.0}) {
       if (s < 0.0) continue;
       const double theta = s < 1.0 ? step.dense(s).theta : to.theta;
@@ -242,20 +248,34 @@ class Rocker {
       const auto inside = [&](double x) { return (step.dense(x).theta - limit) * -direction_; };
       // A start on the switch with no rate that falls straight back has no share inside.
       if (from == 0.0 && !(inside(0.0) > 0.0)) return 1.0;
-      return bisect(inside, from, s);
+      return root(inside, from, s);
     }
     return 1.0;
   }
 
-  // The zero of f in [a, b], f(a) and f(b) of unequal sign.
+  // The zero of f in [a, b], f(a) and f(b) of unequal sign: false position with Illinois' halving.
   template <typename F>
-  static double bisect(F f, double a, double b) {
-    const bool positive = f(a) > 0.0;
-    for (int i = 0; i < 60 && b - a > 1e-14; ++i) {
-      const double mid = 0.5 * (a + b);
-      ((f(mid) > 0.0) == positive ? a : b) = mid;
+  static double root(F f, double a, double b) {
+    double fa = f(a), fb = f(b), x = b, before = a;
+    int side = 0;
+    for (int i = 0; i < 100 && std::abs(x - before) > 1e-15; ++i) {
+      before = x;
+      x = (a * fb - b * fa) / (fb - fa);
+      const double fx = f(x);
+      if (fx == 0.0) return x;
+      if ((fx > 0.0) == (fb > 0.0)) {
+        b = x;
+        fb = fx;
+        if (side == -1) fa *= 0.5;
+        side = -1;
+      } else {
+        a = x;
+        fa = fx;
+        if (side == 1) fb *= 0.5;
+        side = 1;
+      }
     }
-    return b;
+    return x;
   }
 
   // The pivot passes to the next toe.
@@ -348,14 +368,15 @@ class Rocker {
   }
   void note_peak() { note_peak(state_.theta); }
   void note_peak(double theta) {
-    result_.peak_up = std::max(result_.peak_up, theta / topple_.up);
-    result_.peak_down = std::max(result_.peak_down, theta / topple_.down);
+    const double held = std::clamp(theta, -stop_, stop_);
+    result_.peak_up = std::max(result_.peak_up, held / topple_.up);
+    result_.peak_down = std::max(result_.peak_down, held / topple_.down);
   }
   // The peak lies inside the step.
   void note_turn(const Step& step, double share, double rate_before) {
     if (!history_ && !(rate_before * state_.rate < 0.0)) return;
     if (rate_before * state_.rate < 0.0)
-      note_peak(step.dense(bisect([&](double s) { return step.dense(s).rate; }, 0.0, share)).theta);
+      note_peak(step.dense(root([&](double s) { return step.dense(s).rate; }, 0.0, share)).theta);
   }
   void overturn(double time) {
     result_.overturned = true;

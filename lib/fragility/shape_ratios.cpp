@@ -54,8 +54,21 @@ double principal_ratio(const geometry::TriangleMesh& mesh, const Mat3& moments) 
   int height = 0;
   for (int i = 1; i < 3; ++i)
     if (std::abs(solver.eigenvectors()(2, i)) > std::abs(solver.eigenvectors()(2, height))) height = i;
-  const int width = height == 0 ? 1 : 0;
-  return extent(mesh, solver.eigenvectors().col(height)) / extent(mesh, solver.eigenvectors().col(width));
+  const int width = height == 0 ? 1 : 0, other = height == 2 ? 1 : 2;
+  const Vec3 up = solver.eigenvectors().col(height);
+  const double variance = solver.eigenvalues()(width);
+  // Axes of equal variance (a square section) have no direction of their own: the narrowest rectangle has.
+  constexpr double kEqual = 1e-6;
+  if (solver.eigenvalues()(other) - variance > kEqual * variance)
+    return extent(mesh, up) / extent(mesh, solver.eigenvectors().col(width));
+  const Vec3 right = solver.eigenvectors().col(width), ahead = solver.eigenvectors().col(other);
+  std::vector<Vec2> section;
+  section.reserve(mesh.vertices.size());
+  for (const auto& v : mesh.vertices) {
+    const Vec3 d = v - mesh.vertices.front();
+    section.emplace_back(right.dot(d), ahead.dot(d));
+  }
+  return extent(mesh, up) / geometry::least_area_rectangle(section).width;
 }
 
 }  // namespace

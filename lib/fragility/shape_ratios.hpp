@@ -14,6 +14,7 @@ namespace cairn::fragility {
 //   extent
 //                    along that one of the other two with the lesser variance (the definition of the PBR statistics
 //                    tool, whose average over vertices gives 2.40 and 1.94 for one rock in two meshes)
+//                    of axes with equal variance: the lesser side of the least-area rectangle across the height
 //   hwr_surface      the same with the principal axes of the *surface area*
 //   hwr_upright      vertical extent / lesser side of the least-area rectangle seen from above; up = the true vertical
 //   hwr_moments      the same frame without extremes: sides sqrt(12 x second moment of the volume) of the equivalent

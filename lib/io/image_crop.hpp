@@ -26,4 +26,16 @@ struct ImageCropOptions {
                                                   const std::vector<geometry::PixelBox>& boxes,
                                                   const ImageCropOptions& options = {});
 
+// A part with its place: pixel (x, y) of the raster lies at ((x - x_px) scale, (y - y_px) scale) of the picture.
+struct ImagePart {
+  std::string jpeg;  // empty where the box lies outside the photograph
+  double x_px = 0.0, y_px = 0.0, scale = 1.0;
+  double side_px = 0.0;  // of the picture, square
+};
+
+// As crop_jpegs, with the place of each part.
+[[nodiscard]] std::vector<ImagePart> crop_parts(const std::filesystem::path& photograph,
+                                                const std::vector<geometry::PixelBox>& boxes,
+                                                const ImageCropOptions& options = {});
+
 }  // namespace cairn::io

@@ -6,13 +6,10 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
 #include "base/angle.hpp"
 #include "base/parallel.hpp"
-#include "geometry/enclosing_circle.hpp"
-#include "localisation/body_solver.hpp"
+#include "localisation/body_work.hpp"
 
 namespace cairn::localisation {
 namespace {
@@ -25,42 +22,11 @@ using geometry::Vec3;
 using survey::Target;
 using Mat4 = Eigen::Matrix4d;
 
-struct SeenBox {
-  std::int64_t time_ns = 0;
-  survey::FrameId frame;
-  BoxPlanes planes;
-  double side_variance = 1.0;  // px^2, assumed
-  double turn_m = 0.0;         // what the rotation's sigma is at the target
-  Mat2 pose = Mat2::Zero();    // of the box's place by the pose, px^2, assumed
-  double depth_m = 0.0;        // of the target
-  double reach_m = 0.0;        // half the box's mean side at the target's depth
-  bool whole = true;
-};
-
 struct Noise {
   double box = 1.0, pose = 1.0;  // factors on the assumed sigmas
 };
 
-struct Work {
-  std::size_t target = 0;  // index
-  std::vector<SeenBox> boxes;
-  Body start;
-  BodySolution solution;
-  std::string reason;
-};
-
 constexpr std::array<int, 4> kAxis{0, 1, 0, 1};  // u or v of a side
-
-// Rotation of the camera by w moves the point by w x (point - camera).
-Mat2 pose_covariance(const View& view, const Vec3& at, double sigma_xy, double sigma_z, double sigma_rot) {
-  const auto j = view.jacobian(view.to_camera(at));
-  const Vec3 variance(sigma_xy * sigma_xy, sigma_xy * sigma_xy, sigma_z * sigma_z);
-  const Vec3 arm = at - view.T_world_camera.translation;
-  Mat3 cross;
-  cross << 0, arm.z(), -arm.y(), -arm.z(), 0, arm.x(), arm.y(), -arm.x(), 0;
-  const Eigen::Matrix<double, 2, 3> turn = j * cross;
-  return j * variance.asDiagonal() * j.transpose() + sigma_rot * sigma_rot * turn * turn.transpose();
-}
 
 Mat4 side_covariance(const SeenBox& box, const Noise& noise) {
   Mat4 c;
@@ -90,108 +56,6 @@ Mat4 whitener(const BoxPlanes& planes, const Mat4& covariance) {
   return result;
 }
 
-// The line of the ideal image that a side is nearest its middle, where the body touches it.
-std::optional<PixelBox> ideal_sides(const survey::Camera& camera, const PixelBox& b) {
-  if (camera.model == survey::CameraModel::pinhole) return b;
-  const Vec2 c = b.centre();
-  const auto left = undistorted(camera, Vec2(b.xmin, c.y())), right = undistorted(camera, Vec2(b.xmax, c.y()));
-  const auto top = undistorted(camera, Vec2(c.x(), b.ymin)), bottom = undistorted(camera, Vec2(c.x(), b.ymax));
-  if (!left || !right || !top || !bottom) return std::nullopt;
-  return PixelBox{left->x(), top->y(), right->x(), bottom->y()};
-}
-
-std::optional<SeenBox> see(const survey::Survey& survey, const survey::Detection& d, const Vec3& centre,
-                           const BodyFitOptions& options) {
-  const auto* frame = survey.frame(d.frame);
-  const auto* camera = frame != nullptr ? survey.camera(frame->camera) : nullptr;
-  const auto finite = [](const PixelBox& b) {
-    return std::isfinite(b.xmin) && std::isfinite(b.ymin) && std::isfinite(b.xmax) && std::isfinite(b.ymax);
-  };
-  if (camera == nullptr || !finite(d.box) || !(d.box.width() > 0.0 && d.box.height() > 0.0)) return std::nullopt;
-  if (!frame->T_world_camera.rotation.allFinite() || !frame->T_world_camera.translation.allFinite())
-    return std::nullopt;
-  const auto ideal = ideal_sides(*camera, d.box);
-  if (!ideal || !finite(*ideal) || !(ideal->width() > 0.0 && ideal->height() > 0.0)) return std::nullopt;
-
-  const View view = ideal_view(*camera, frame->T_world_camera);
-  const double depth = view.to_camera(centre).z();
-  if (!(depth > 0.0)) return std::nullopt;
-  SeenBox box;
-  box.time_ns = frame->time_ns;
-  box.frame = frame->id;
-  box.planes = box_planes(view, *ideal, centre);
-  const double margin = options.edge_margin_px;
-  box.planes.used = {d.box.xmin >= margin, d.box.ymin >= margin,
-                     d.box.xmax <= static_cast<double>(camera->width_px) - margin,
-                     d.box.ymax <= static_cast<double>(camera->height_px) - margin};
-  const auto used = std::count(box.planes.used.begin(), box.planes.used.end(), true);
-  if (used == 0) return std::nullopt;
-  box.whole = used == 4;
-  const double side = 0.5 * (ideal->width() + ideal->height());
-  box.side_variance = options.sigma_px * options.sigma_px + options.sigma_size * options.sigma_size * side * side;
-  const auto known = [](double sigma) { return std::isfinite(sigma) && sigma > 0.0 ? sigma : 0.0; };
-  const double sigma_rot =
-      base::deg_to_rad(options.pose_sigma_deg >= 0.0 ? options.pose_sigma_deg : known(frame->sigma_rot_deg));
-  box.pose =
-      pose_covariance(view, centre, options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_xy_m),
-                      options.pose_sigma_m >= 0.0 ? options.pose_sigma_m : known(frame->sigma_z_m), sigma_rot);
-  box.turn_m = sigma_rot * depth;
-  box.depth_m = depth;
-  box.reach_m = 0.25 * depth * (ideal->width() / view.fx_px + ideal->height() / view.fy_px);
-  return box;
-}
-
-double largest_parallax(const std::vector<SeenBox>& boxes) {
-  double largest = 0.0;
-  for (const auto& a : boxes)
-    for (const auto& b : boxes)
-      largest = std::max(
-          largest, std::atan2(a.planes.camera.cross(b.planes.camera).norm(), a.planes.camera.dot(b.planes.camera)));
-  return largest;
-}
-
-// Video gives a target thousands of boxes that say the same: the cost is bounded.
-void thin_out(std::vector<SeenBox>& boxes, std::size_t most) {
-  if (boxes.size() <= most) return;
-  std::vector<SeenBox> kept;
-  kept.reserve(most);
-  for (std::size_t i = 0; i < most; ++i) kept.push_back(boxes[i * boxes.size() / most]);
-  boxes = std::move(kept);
-}
-
-// The boxes of a target and where the fit starts.
-Work prepare(const Target& target, std::size_t index, const survey::Survey& survey, const BodyFitOptions& options) {
-  Work work;
-  work.target = index;
-  std::vector<double> reach;
-  for (const auto id : target.detections) {
-    const auto* d = survey.detection(id);
-    if (d == nullptr) continue;
-    if (auto box = see(survey, *d, target.centre, options)) {
-      if (box->whole) reach.push_back(box->reach_m);
-      work.boxes.push_back(std::move(*box));
-    }
-  }
-  std::stable_sort(work.boxes.begin(), work.boxes.end(), [](const SeenBox& a, const SeenBox& b) {
-    return a.time_ns != b.time_ns ? a.time_ns < b.time_ns : a.frame < b.frame;
-  });
-  thin_out(work.boxes, static_cast<std::size_t>(options.max_boxes));
-  if (work.boxes.size() < static_cast<std::size_t>(options.min_boxes) || reach.size() < 2) {
-    work.reason = "fit_too_few_boxes";
-    return work;
-  }
-  if (largest_parallax(work.boxes) < base::deg_to_rad(options.min_parallax_deg)) {
-    work.reason = "fit_one_direction";
-    return work;
-  }
-  std::nth_element(reach.begin(), reach.begin() + static_cast<std::ptrdiff_t>(reach.size() / 2), reach.end());
-  const double radius = reach[reach.size() / 2];
-  work.start.ellipsoid[kLogRadius] = work.start.ellipsoid[kLogHalfHeight] = std::log(radius);
-  // A stray box from a camera that would stand in the body itself, or have it beside its image plane.
-  std::erase_if(work.boxes, [radius](const SeenBox& box) { return box.depth_m < radius; });
-  return work;
-}
-
 // What rocks are, by degree 3 to 6 of the harmonics: zonal ones (flat undersides, heads wider than feet), which go
 // together, and the others. docs/science/localisation.md says how these were measured.
 constexpr std::size_t kDegrees = 4;
@@ -205,7 +69,7 @@ constexpr double kHeightSigma = 0.4;    // log of half height over mean level se
 constexpr double kLeanSigma = 0.2;      // of the mean semi-axis
 // What degree 6 cannot follow: sharp edges. The middle of the plan by this share of the radius, top and bottom by this
 // share of the height (1 sigma); a cut foot's edge lies higher than its smooth continuation by kFootShare.
-constexpr double kPlanError = 0.022, kEndError = 0.02, kFootShare = 0.028;
+constexpr double kPlanError = 0.018, kEndError = 0.015, kFootShare = 0.028;
 constexpr double kExactly = 1e-7;  // sigma of a harmonic that is held at 0
 
 BodyPrior body_prior(double radius, bool rock) {
@@ -238,7 +102,7 @@ BodyPrior body_prior(double radius, bool rock) {
   return prior;
 }
 
-void solve(Work& work, const Noise& noise, const BodyFitOptions& options) {
+void solve(BodyWork& work, const Noise& noise, const BodyFitOptions& options) {
   if (!work.reason.empty()) return;
   std::vector<BoxPlanes> planes;
   for (auto& box : work.boxes) {
@@ -254,7 +118,7 @@ void solve(Work& work, const Noise& noise, const BodyFitOptions& options) {
 
 // What the residuals of all targets say about the assumed sigmas: the width and height of a box do not depend on the
 // pose, its place does. The part of the residuals that the fit has absorbed is allowed for.
-Noise observed_noise(const std::vector<Work>& works, const Noise& assumed) {
+Noise observed_noise(const std::vector<BodyWork>& works, const Noise& assumed) {
   double size_seen = 0.0, size_expected = 0.0, place_seen = 0.0, place_box = 0.0, place_pose = 0.0, absorbed = 0.0;
   for (const auto& work : works) {
     const auto& s = work.solution;
@@ -291,55 +155,8 @@ Noise observed_noise(const std::vector<Work>& works, const Noise& assumed) {
   return noise;
 }
 
-// The smallest upright cylinder around a body, relative to its origin.
-geometry::VerticalCylinder cylinder_of(const Body& body) {
-  // A support's derivative along the angle is how far its point of contact lies to the side.
-  constexpr int kDirections = 60;
-  constexpr double kTurn = 2.0 * std::numbers::pi / kDirections;
-  std::array<double, kDirections> h;
-  const auto along = [](int i) { return Vec2(std::cos(kTurn * i), std::sin(kTurn * i)); };
-  for (int i = 0; i < kDirections; ++i) {
-    const Vec2 u = along(i);
-    h[static_cast<std::size_t>(i)] = body.support(Vec3(u.x(), u.y(), 0.0));
-  }
-  const auto at = [&](int i) { return h[static_cast<std::size_t>((i + kDirections) % kDirections)]; };
-  std::vector<Vec2> touched;
-  for (int i = 0; i < kDirections; ++i) {
-    const double aside = (8.0 * (at(i + 1) - at(i - 1)) - (at(i + 2) - at(i - 2))) / (12.0 * kTurn);
-    const Vec2 u = along(i);
-    touched.push_back(at(i) * u + aside * Vec2(-u.y(), u.x()));
-  }
-  const auto circle = geometry::smallest_enclosing_circle(touched);
-  geometry::VerticalCylinder cylinder;
-  cylinder.axis = circle.centre + Vec2(body.ellipsoid[kCentreEast], body.ellipsoid[kCentreNorth]);
-  cylinder.radius = circle.radius;
-  cylinder.bottom = body.ellipsoid[kCentreUp] - body.support(Vec3(0.0, 0.0, -1.0));
-  cylinder.top = body.ellipsoid[kCentreUp] + body.support(Vec3(0.0, 0.0, 1.0));
-  return cylinder;
-}
-
-Body moved(const Body& body, const BodyVector& by) {
-  Body result = body;
-  for (std::size_t i = 0; i < kEllipsoidParameters; ++i) result.ellipsoid[i] += by[static_cast<Eigen::Index>(i)];
-  for (std::size_t i = 0; i < kHarmonics; ++i)
-    result.harmonic[i] += by[static_cast<Eigen::Index>(kEllipsoidParameters + i)];
-  return result;
-}
-
-// Covariance of the cylinder's centre from that of the parameters: differences over one sigma along each column of its
-// root, because the smallest circle is only piecewise smooth.
-Mat3 centre_covariance(const Body& body, const BodyMatrix& covariance) {
-  const BodyMatrix root = covariance.llt().matrixL();
-  Mat3 result = Mat3::Zero();
-  for (Eigen::Index i = 0; i < root.cols(); ++i) {
-    const Vec3 d =
-        0.5 * (cylinder_of(moved(body, root.col(i))).centre() - cylinder_of(moved(body, -root.col(i))).centre());
-    result += d * d.transpose();
-  }
-  return result;
-}
-
-void finish(const Work& work, const BodyFitOptions& options, Target& target) {
+void finish(const BodyWork& work, const Mat3& covariance, double common_share, const BodyFitOptions& options,
+            Target& target) {
   const auto& s = work.solution;
   const std::string& reason = work.reason.empty() ? s.failure : work.reason;
   if (!reason.empty()) {
@@ -356,14 +173,14 @@ void finish(const Work& work, const BodyFitOptions& options, Target& target) {
   r.cylinder.bottom += target.centre.z();
   r.cylinder.top += target.centre.z();
   r.centre = r.cylinder.centre();
-  r.covariance = centre_covariance(s.body, s.normal.llt().solve(BodyMatrix::Identity()));
+  r.covariance = covariance;
   if (rock) {
     const double plan = kPlanError * r.cylinder.radius, end = std::sqrt(0.5) * kEndError * r.cylinder.height();
     r.covariance.diagonal() += Vec3(plan * plan, plan * plan, end * end);
   }
   double turn_m = 0.0;
   for (const auto& box : work.boxes) turn_m += box.turn_m / static_cast<double>(work.boxes.size());
-  const double common = options.common_turn * turn_m;
+  const double common = common_share * turn_m;
   constexpr double kInHeight = 2.0;  // a common tilt cancels around an object, and lifts or lowers it
   r.covariance.diagonal() += Vec3(common * common, common * common, kInHeight * kInHeight * common * common);
   const double aside = options.margin_sigmas * std::sqrt(std::max(r.covariance(0, 0), r.covariance(1, 1)));
@@ -419,18 +236,6 @@ void BodyFitOptions::visit(base::OptionVisitor& v) {
   v.real("body-min-parallax-deg", min_parallax_deg, 0.0, 180.0, "joint fit: least angle between two rays");
 }
 
-BoxPlanes box_planes(const View& view, const PixelBox& ideal, const Vec3& origin) {
-  BoxPlanes planes;
-  const Mat3& r = view.T_world_camera.rotation;
-  planes.camera = view.T_world_camera.translation - origin;
-  planes.forward = r.col(2);
-  planes.normal = {
-      r * Vec3(view.fx_px, 0.0, view.cx_px - ideal.xmin), r * Vec3(0.0, view.fy_px, view.cy_px - ideal.ymin),
-      r * Vec3(view.fx_px, 0.0, view.cx_px - ideal.xmax), r * Vec3(0.0, view.fy_px, view.cy_px - ideal.ymax)};
-  planes.used.fill(true);
-  return planes;
-}
-
 BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& survey, const BodyFitOptions& options,
                             base::RunContext& ctx) {
   BodyFitOptions checked = options;
@@ -441,7 +246,7 @@ BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& 
     if (targets[i].state == survey::TargetState::converged || targets[i].state == survey::TargetState::mapped)
       chosen.push_back(i);
   }
-  std::vector<Work> works(chosen.size());
+  std::vector<BodyWork> works(chosen.size());
   const auto each = [&](const auto& body) {
     ctx.check_stop();
     base::parallel_for(works.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -450,7 +255,7 @@ BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& 
   };
   Noise noise;
   each([&](std::size_t i) {
-    works[i] = prepare(targets[chosen[i]], chosen[i], survey, options);
+    works[i] = prepare_body(targets[chosen[i]], chosen[i], survey, options);
     solve(works[i], noise, options);
   });
   constexpr int kRounds = 3;
@@ -462,9 +267,12 @@ BodyFitCounts refine_bodies(std::vector<Target>& targets, const survey::Survey& 
   BodyFitCounts counts;
   counts.box_noise_scale = noise.box;
   counts.pose_noise_scale = noise.pose;
-  for (const auto& work : works) {
-    Target& target = targets[work.target];
-    finish(work, options, target);
+  std::vector<CentreCovariance> covariances(works.size());
+  each([&](std::size_t i) { covariances[i] = centre_covariance(works[i]); });
+  const double common = common_turn(covariances, options);
+  for (std::size_t i = 0; i < works.size(); ++i) {
+    Target& target = targets[works[i].target];
+    finish(works[i], covariances[i].value, common, options, target);
     if (!target.refined) {
       ++counts.failed;
       continue;

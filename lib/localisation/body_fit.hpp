@@ -19,8 +19,10 @@ struct BodyFitOptions {
   double sigma_size = 0.05;     // the same as a fraction of the box's mean side, added in square
   bool assumed_noise = false;   // keep these sigmas; else they are scaled by what the residuals of the whole survey say
   double pose_sigma_m = -1.0;   // 1 sigma of a camera position; -1 = what the frames say
-  double pose_sigma_deg = -1.0;   // the same for its rotation
-  double common_turn = 0.25;      // share of the rotations' sigma that all frames of an object have in common: a mount
+  double pose_sigma_deg = -1.0;  // the same for its rotation
+  // Share of the rotations' sigma that all frames of an object have in common (a mount that is not quite straight): of
+  // photos. A long video tells by itself.
+  double common_turn = 0.25;
   double loss_scale = 3.65;       // whitened norm of a box's four residuals at which it has half its weight (99 %)
   std::string shape = "rock";     // rock: ellipsoid corrected by harmonics as rocks have them; ellipsoid: none
   double margin_sigmas = 1.5;     // the cylinder is this much wider and taller than the most likely one

@@ -1,6 +1,7 @@
 #include "pipeline/evaluate_segmentation.hpp"
 
 #include <unistd.h>
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,7 @@
 #include "geometry/kd_tree.hpp"
 #include "io/cloud.hpp"
 #include "io/contact_csv.hpp"
+#include "io/mesh.hpp"
 #include "io/rocks_json.hpp"
 #include "io/truth.hpp"
 #include "pipeline/evaluate_inputs.hpp"
@@ -174,13 +176,17 @@ void read_rocks(const fs::path& path, FoundRocks& rocks) {
       return;
     }
   }
-  for (const auto& rock : io::read_rocks(records).rocks) take_record(rock, rocks[rock.target.value]);
+  // Not read_rocks: rocks of a cloud without an origin stand in no frame.
+  const Json json = io::read_json(records);
+  for (const auto& item : json.at("rocks").as_array()) {
+    const survey::Rock rock = io::rock_from_json(item);
+    take_record(rock, rocks[rock.target.value]);
+  }
 }
 
-void make_bodies(const fs::path& labelled, FoundRocks& rocks, base::RunContext& ctx) {
+void make_bodies(const SurfaceFiles& files, FoundRocks& rocks, base::RunContext& ctx) {
   const base::StagedFolder scratch(fs::temp_directory_path() / ("cairn_evaluate_" + std::to_string(::getpid())));
-  const auto cloud = io::read_cloud(labelled).cloud;
-  (void)surface_rocks(cloud, {}, "coordinates of the cloud [m], z up", scratch.path(), {}, ctx);
+  (void)surface_file(files, scratch.path(), {}, ctx);
   read_bodies(scratch.path(), rocks);
 }
 
@@ -273,13 +279,26 @@ Json alpha_json(const Found& found, const survey::TruthObject& truth, Errors& er
   return json;
 }
 
-Json volume_json(const Found& found, const survey::TruthObject& truth, Errors& errors) {
+// Ascending, of a body of unit density.
+Vec3 principal_moments(const geometry::MassProperties& mass) {
+  return Eigen::SelfAdjointEigenSolver<geometry::Mat3>(mass.inertia_per_density, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+// Largest relative error of a principal moment, where the truth keeps the body's mesh.
+Json inertia_error(const geometry::MassProperties& found, const survey::TruthObject& truth, const fs::path& folder) {
+  if (truth.mesh.empty() || !fs::exists(folder / truth.mesh)) return {};
+  const Vec3 in_truth = principal_moments(geometry::mass_properties(io::read_mesh(folder / truth.mesh).mesh));
+  return (principal_moments(found).cwiseQuotient(in_truth) - Vec3::Ones()).cwiseAbs().maxCoeff();
+}
+
+Json volume_json(const Found& found, const survey::TruthObject& truth, const fs::path& folder, Errors& errors) {
   if (!found.mass || !(truth.volume_m3 > 0.0)) return {};
   const double error = found.mass->volume / truth.volume_m3 - 1.0;
   errors.volume.push_back(std::abs(error));
   return Json::object({{"true_m3", truth.volume_m3},
                        {"m3", found.mass->volume},
                        {"error_share", error},
+                       {"principal_inertia_error_share", inertia_error(*found.mass, truth, folder)},
                        {"centre_of_mass_error_m", (found.mass->centre_of_mass - truth.centre_of_mass).norm()}});
 }
 
@@ -296,29 +315,36 @@ Json instances_json(const evaluation::LabelScores& scores, double least_iou) {
                        {"mean_iou", scores.matched > 0 ? Json(sum / static_cast<double>(scores.matched)) : Json()}});
 }
 
-Json rock_json(const evaluation::RockOverlap& rock, const FoundRocks& found, const survey::Truth* truth, double step,
-               Errors& errors) {
+// What is true of the rocks, and the folder that its files are named in.
+struct TrueRocks {
+  survey::Truth truth;
+  fs::path folder;
+};
+
+Json rock_json(const evaluation::RockOverlap& rock, const FoundRocks& found, const std::optional<TrueRocks>& truth,
+               double step, Errors& errors) {
   Json row = Json::object({{"true_id", static_cast<std::int64_t>(rock.true_id)},
                            {"id", rock.id ? Json(static_cast<std::int64_t>(*rock.id)) : Json()},
                            {"matched", rock.matched},
                            {"iou", optional_json(rock.overlap.iou())},
                            {"dice", optional_json(rock.overlap.dice())}});
-  if (truth == nullptr || !rock.matched) return row;
-  const auto object = std::find_if(truth->objects.begin(), truth->objects.end(), [&](const auto& o) {
+  if (!truth || !rock.matched) return row;
+  const auto& objects = truth->truth.objects;
+  const auto object = std::find_if(objects.begin(), objects.end(), [&](const auto& o) {
     return o.id.value == static_cast<std::int64_t>(rock.true_id);
   });
   const auto record = found.find(static_cast<std::int64_t>(*rock.id));
-  if (object == truth->objects.end() || record == found.end()) return row;
+  if (object == objects.end() || record == found.end()) return row;
   row.set("contact", contact_json(record->second, *object, step, errors));
   row.set("alpha", alpha_json(record->second, *object, errors));
-  row.set("volume", volume_json(record->second, *object, errors));
+  row.set("volume", volume_json(record->second, *object, truth->folder, errors));
   return row;
 }
 
 FoundRocks found_rocks(const EvaluateSegmentationInputs& in, bool bodies_wanted, base::RunContext& ctx) {
   FoundRocks rocks;
   if (!in.rocks.empty()) read_rocks(in.rocks, rocks);
-  else if (bodies_wanted) make_bodies(in.labelled, rocks, ctx);
+  else if (bodies_wanted) make_bodies({in.labelled, in.contact}, rocks, ctx);
   fs::path contact = in.contact;
   if (contact.empty()) {
     contact = in.labelled;
@@ -333,7 +359,6 @@ FoundRocks found_rocks(const EvaluateSegmentationInputs& in, bool bodies_wanted,
 }  // namespace
 
 void EvaluateSegmentationOptions::visit(base::OptionVisitor& visitor) {
-  visitor.real("least-iou", least_iou, 0.01, 1.0, "segmentation: least IoU of a rock that counts as found");
   visitor.real("tolerance-m", tolerance_m, 0.0, 1.0, "segmentation: points nearer than this are the same [m]");
   visitor.real("step-m", step_m, 1e-4, 1.0, "segmentation: distances of contact lines are taken so densely [m]");
 }
@@ -353,17 +378,16 @@ Outcome evaluate_segmentation(const EvaluateSegmentationInputs& in, const Evalua
     ctx.warn(std::to_string(unpaired) + " points of " + in.labelled.filename().string() + " have no true point");
   const auto scores =
       evaluation::score_labels({found.label, truth.label, found.instance, truth.instance}, options.least_iou);
-  std::optional<survey::Truth> rocks_truth;
-  if (const auto path = truth_beside(in)) rocks_truth = io::read_truth(*path);
-  const bool volumes = rocks_truth && std::any_of(rocks_truth->objects.begin(), rocks_truth->objects.end(),
+  std::optional<TrueRocks> rocks_truth;
+  if (const auto path = truth_beside(in)) rocks_truth = TrueRocks{io::read_truth(*path), path->parent_path()};
+  const bool volumes = rocks_truth && std::any_of(rocks_truth->truth.objects.begin(), rocks_truth->truth.objects.end(),
                                                   [](const auto& o) { return o.volume_m3 > 0.0; });
   FoundRocks rocks;
   if (rocks_truth) rocks = found_rocks(in, volumes, ctx);
 
   Errors errors;
   Json rows = Json::array();
-  for (const auto& rock : scores.rocks)
-    rows.push(rock_json(rock, rocks, rocks_truth ? &*rocks_truth : nullptr, options.step_m, errors));
+  for (const auto& rock : scores.rocks) rows.push(rock_json(rock, rocks, rocks_truth, options.step_m, errors));
   const char* names[] = {"none", "terrain", "rock", "pedestal", "basal_contact"};
   Json classes = Json::object();
   for (std::size_t k = 0; k < evaluation::kLabels; ++k) classes.set(names[k], overlap_json(scores.classes[k]));

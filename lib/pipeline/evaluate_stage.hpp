@@ -26,14 +26,14 @@ struct EvaluateOptions {
   evaluation::StageOptions stages;
   evaluation::ApOptions ap;
   evaluation::TrajectoryOptions trajectory;
-  double iou = 0.5;                  // tracks: least IoU of a match
+  double iou = 0.5;                  // tracks, segmentation: least IoU of a match
   std::string classes;               // detections, tracks: only these, comma-separated; "" = see the functions
   std::string remove_bias = "none";  // targets: none, survey, target (evaluation::BiasRemoval)
   std::string match = "auto";        // trajectory: what pairs poses
 
   void visit(base::OptionVisitor& visitor) {
     visitor.text("classes", classes, "detections, tracks: score these classes only, comma-separated");
-    visitor.real("iou", iou, 0.01, 1.0, "tracks: least intersection over union of a match");
+    visitor.real("iou", iou, 0.01, 1.0, "tracks, segmentation: least intersection over union of a match");
     visitor.choice("remove-bias", remove_bias, {"none", "survey", "target"},
                    "targets: take off the mean error of the recorded positions, of all frames or of each target's own");
     visitor.choice("match", match, {"auto", "id", "image", "time"}, "trajectory: what pairs poses");

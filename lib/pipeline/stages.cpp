@@ -12,6 +12,7 @@
 #include "pipeline/locate_stage.hpp"
 #include "pipeline/obstacles_stage.hpp"
 #include "pipeline/report_stage.hpp"
+#include "pipeline/rock_figures.hpp"
 #include "pipeline/route_stage.hpp"
 #include "pipeline/segment_stage.hpp"
 #include "pipeline/surface_stage.hpp"
@@ -65,12 +66,28 @@ std::unique_ptr<Stage> make_layers_stage() {
        }});
 }
 
+std::unique_ptr<Stage> make_figures_stage() {
+  return make_function_stage<FigureOptions>(
+      {"figures",
+       {"fragility"},
+       {},
+       [](const StageInputs&, const FigureOptions&) -> Estimate {
+         return {300 * kMebibyte, 64 * kMebibyte};
+       },
+       [](const StageInputs& in, const fs::path& out, const FigureOptions& options, base::RunContext& ctx) {
+         const fs::path rocks = in.products / "rocks";
+         fs::create_directories(out / "rocks");
+         return figure_files(read_rock_results(rocks, in.products), rocks, in.survey, out / "rocks", options, ctx);
+       }});
+}
+
 using Maker = std::unique_ptr<Stage> (*)();
-constexpr std::array<std::pair<std::string_view, Maker>, 12> kStages{{{"locate", make_locate_stage},
+constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate", make_locate_stage},
                                                                       {"terrain", make_terrain_stage},
                                                                       {"segment", make_segment_stage},
                                                                       {"surface", make_surface_stage},
                                                                       {"fragility", make_fragility_stage},
+                                                                      {"figures", make_figures_stage},
                                                                       {"coverage", make_coverage_stage},
                                                                       {"obstacles", make_obstacles_stage},
                                                                       {"costmap", make_costmap_stage},

@@ -117,51 +117,12 @@ Grid<float> tolerances(const GroundSurface& surface, const Grid<float>& low, flo
   return result;
 }
 
-// Cut-off groups of cells whose border is no crease come back: at the foot of an object the heights turn upwards, at
-// the edge of a cut-off crest they go on or turn down.
-void restore_crests(Grid<std::uint8_t>& object, const Grid<float>& low, const Grid<float>& ground,
-                    const GroundFilterOptions& options) {
-  const GridGeometry& g = object.geometry;
-  const auto crease = static_cast<float>(options.crease_slope * g.cell);
-  std::vector<std::uint8_t> seen(g.cells(), 0);
-  std::vector<std::size_t> group;
-  for (std::size_t start = 0; start < seen.size(); ++start) {
-    if (object.values[start] == 0 || seen[start] != 0) continue;
-    group.assign(1, start);
-    seen[start] = 1;
-    std::size_t edges = 0, creases = 0;
-    for (std::size_t next = 0; next < group.size(); ++next) {
-      const std::size_t k = group[next], r = k / g.columns, c = k % g.columns;
-      const auto visit = [&](bool there, std::ptrdiff_t step, bool further) {
-        if (!there) return;
-        const auto n = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(k) + step);
-        if (object.values[n] != 0) {
-          if (seen[n] == 0) group.push_back(n);
-          seen[n] = 1;
-          return;
-        }
-        ++edges;
-        float slope_outside = 0.0F;
-        const auto n2 = static_cast<std::size_t>(static_cast<std::ptrdiff_t>(n) + step);
-        if (further && object.values[n2] == 0) slope_outside = ground.values[n] - ground.values[n2];
-        if (low.values[k] - ground.values[n] - slope_outside > crease) ++creases;
-      };
-      const auto row = static_cast<std::ptrdiff_t>(g.columns);
-      visit(r > 0, -row, r > 1);
-      visit(r + 1 < g.rows, row, r + 2 < g.rows);
-      visit(c > 0, -1, c > 1);
-      visit(c + 1 < g.columns, 1, c + 2 < g.columns);
-    }
-    if (static_cast<double>(creases) < options.crease_share * static_cast<double>(edges))
-      for (const std::size_t k : group) object.values[k] = 0;
-  }
-}
-
 }  // namespace
 
 GroundSurface bare_earth(const Grid<LowCell>& cells, const GroundFilterOptions& options) {
   const GridGeometry& g = cells.geometry;
-  const auto tolerance = static_cast<float>(options.tolerance_m > 0.0 ? options.tolerance_m : options.tolerance_cells * g.cell);
+  const auto tolerance =
+      static_cast<float>(options.tolerance_m > 0.0 ? options.tolerance_m : options.tolerance_cells * g.cell);
   Grid<float> low = lowest(cells);
   GroundSurface surface;
   surface.is_ground = {g, 0};
@@ -170,8 +131,7 @@ GroundSurface bare_earth(const Grid<LowCell>& cells, const GroundFilterOptions& 
   });
   fill_all(low);
   const auto radius = static_cast<std::size_t>(std::ceil(0.5 * options.max_object_m / g.cell - 1e-9));
-  Grid<std::uint8_t> object = object_cells(low, radius, options.object_slope);
-  if (options.crease_share > 0.0) restore_crests(object, low, low, options);
+  const Grid<std::uint8_t> object = object_cells(low, radius, options.object_slope);
 
   // The lowest of n points of a sloping, noisy cell lies below its middle: where a cell holds nothing but ground, its
   // mean is the better height.

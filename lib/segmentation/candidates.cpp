@@ -89,6 +89,7 @@ std::vector<Candidate> find_candidates(std::span<const Vec3> points, const Groun
     if (group.values[k] == kNoGroup) continue;
     const std::size_t r = k / g.columns, c = k % g.columns;
     Candidate& object = found[group.values[k]];
+    if (object.area == 0.0 && object.anchor.isZero()) object.anchor = g.centre(r, c);
     object.area += above.values[k] != 0 ? g.cell * g.cell : 0.0;
     object.touches_border |= r == 0 || c == 0 || r + 1 == g.rows || c + 1 == g.columns;
   }

@@ -27,6 +27,7 @@ constexpr double kSmoothing = 5.0;     // standard deviation along the rim
 constexpr double kSeen = 4.0;          // points of both surfaces this near to the line: it was seen
 constexpr double kMovement = 6.0;      // most that a fit may move the line
 constexpr std::array<double, 4> kSeedCells = {4.0, 8.0, 14.0, 24.0};
+constexpr double kOpenNoises = 2.0;  // opening of a wedge, over the noise, at which it shows as open
 constexpr int kRounds = 6;
 constexpr int kPasses = 2;
 
@@ -179,6 +180,10 @@ Fit fit_profile(std::vector<Sample> samples, double spacing) {
   };
   fit.sigma = std::hypot(error(flank), error(seat)) / std::max(sine, 0.2);
   fit.residual = noise;
+  // A narrow wedge is seen as closed where it is no wider than the noise, and a crease that does not bear is open by
+  // some millimetres: what shows as the rim lies out there, not where the two lines would meet.
+  const double cosine = fit.flank.dot(fit.seat);
+  if (cosine > 0.0) fit.crease += kOpenNoises * noise * cosine / std::max(sine, 0.25) * fit.seat;
   bool near_flank = false, near_seat = false;
   for (const auto& s : samples)
     if ((s.p - fit.crease).norm() < kSeen * spacing) {

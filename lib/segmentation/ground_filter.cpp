@@ -19,6 +19,7 @@ using geometry::Vec2;
 using geometry::Vec3;
 
 constexpr double kMostCells = 4e8;
+constexpr double kLeastCell = 0.005;   // m
 constexpr std::size_t kPiece = 65536;  // points of one piece of parallel work
 constexpr std::size_t kBlock = 512;    // points whose cells are found before they are touched
 constexpr std::size_t kAhead = 12;     // cells fetched ahead: a grid is larger than the cache
@@ -56,30 +57,6 @@ Extent extent_of(std::span<const Vec3> points) {
     throw base::Error(base::ErrorCode::invalid_input, "the cloud has no finite point")
         .hint("Check the cloud with `cairn info`.");
   return all;
-}
-
-// Mean distance of neighbours in plan, were the points spread evenly over their box; rounded to two digits, so that a
-// few points more or less give the same grid.
-double cell_of(const Extent& e, const GroundFilterOptions& options) {
-  if (options.cell_m > 0.0) return options.cell_m;
-  const double area = std::max((e.hi - e.lo).prod(), 1e-6);
-  const double cell = options.cell_spacings * std::sqrt(area / static_cast<double>(e.points));
-  const double unit = std::pow(10.0, std::floor(std::log10(cell)) - 1.0);
-  return std::max(std::round(cell / unit) * unit, 0.005);
-}
-
-GridGeometry geometry_of(const Extent& e, double cell) {
-  const Vec2 size = e.hi - e.lo;
-  const double cells = (size.x() / cell + 1.0) * (size.y() / cell + 1.0);
-  if (!(cells <= kMostCells))
-    throw base::Error(base::ErrorCode::failed_precondition, "the cloud's extent needs too many cells")
-        .found(base::to_text(size.x()) + " x " + base::to_text(size.y()) + " m in cells of " + base::to_text(cell) +
-               " m")
-        .allowed("400 million cells")
-        .hint("Use larger cells, or remove stray points far from the survey.");
-  // Cells own their western and northern border: the easternmost and southernmost points need room.
-  const double nudge = 1e-6 * cell;
-  return geometry::covering_grid(e.lo - Vec2(0.0, nudge), e.hi + Vec2(nudge, 0.0), cell);
 }
 
 Grid<LowCell> low_cells(std::span<const Vec3> points, const GridGeometry& g) {
@@ -133,8 +110,12 @@ std::pair<std::uint32_t, float> axis_place(double at, double last, double most) 
 }
 struct PlaceFinder {
   explicit PlaceFinder(const GridGeometry& g)
-      : west(g.west), north(g.north), per_cell(1.0 / g.cell), last_row(static_cast<double>(g.rows) - 1.0),
-        last_column(static_cast<double>(g.columns) - 1.0), columns(static_cast<std::uint32_t>(g.columns)) {}
+      : west(g.west),
+        north(g.north),
+        per_cell(1.0 / g.cell),
+        last_row(static_cast<double>(g.rows) - 1.0),
+        last_column(static_cast<double>(g.columns) - 1.0),
+        columns(static_cast<std::uint32_t>(g.columns)) {}
   double west, north, per_cell, last_row, last_column;
   std::uint32_t columns;
 
@@ -189,15 +170,14 @@ std::vector<PointClass> classify(std::span<const Vec3> points, const GroundSurfa
 }  // namespace
 
 void GroundFilterOptions::visit(base::OptionVisitor& visitor) {
-  visitor.real("cell-m", cell_m, 0.0, 100.0, "edge of a cell of the ground grid, m; 0: from the point spacing");
-  visitor.real("cell-spacings", cell_spacings, 0.25, 20.0, "edge of a cell in mean point spacings, where it is not given");
   visitor.real("max-object-m", max_object_m, 0.0, 500.0, "widest object that is taken off the ground, m");
+  visitor.real("ground-cell-m", cell_m, 0.0, 100.0, "edge of a cell of the ground grid, m; 0: from the next two");
+  visitor.real("object-cells", object_cells, 1.0, 1000.0, "cells across the widest object");
+  visitor.real("cell-spacings", cell_spacings, 0.25, 20.0, "edge of a cell in mean point spacings, at least");
   visitor.real("object-slope", object_slope, 0.0, 10.0,
                "what an opening cuts off by more than this times its radius is an object");
-  visitor.real("crease-slope", crease_slope, 0.0, 100.0, "a border where the slope grows by this is a crease");
-  visitor.real("crease-share", crease_share, 0.0, 1.0, "objects with fewer creases along their border are ground");
-  visitor.real("tolerance-cells", tolerance_cells, 0.0, 10.0, "tolerance on level ground in cells, where it is not given");
-  visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: half a cell");
+  visitor.real("tolerance-m", tolerance_m, 0.0, 10.0, "height above level ground that is still ground, m; 0: in cells");
+  visitor.real("tolerance-cells", tolerance_cells, 0.0, 10.0, "the same in cells");
   visitor.real("tolerance-slope", tolerance_slope, 0.0, 10.0, "added to the tolerance, times cell times slope");
   visitor.real("roughness-factor", roughness_factor, 0.0, 20.0, "added to the tolerance, times the ground's roughness");
 }
@@ -212,8 +192,27 @@ double GroundSurface::up(const Vec2& p) const {
   return top + static_cast<double>(at.down) * (bottom - top);
 }
 
-double ground_cell(std::span<const Vec3> points, const GroundFilterOptions& options) {
-  return options.cell_m > 0.0 ? options.cell_m : cell_of(extent_of(points), options);
+GridGeometry ground_grid(const Vec2& low, const Vec2& high, std::uint64_t count, const GroundFilterOptions& options) {
+  const Vec2 size = high - low;
+  double cell = options.cell_m;
+  if (!(cell > 0.0)) {
+    // Mean distance of neighbours in plan, were the points spread evenly over their box.
+    const double spacing = std::sqrt(size.prod() / static_cast<double>(std::max<std::uint64_t>(count, 1)));
+    cell = std::max(options.cell_spacings * spacing, options.max_object_m / options.object_cells);
+    // Two digits, so that a few points more or less give the same grid.
+    const double unit = std::pow(10.0, std::floor(std::log10(std::max(cell, kLeastCell))) - 1.0);
+    cell = std::max(std::round(cell / unit) * unit, kLeastCell);
+  }
+  const double cells = (size.x() / cell + 1.0) * (size.y() / cell + 1.0);
+  if (!(cells <= kMostCells))
+    throw base::Error(base::ErrorCode::failed_precondition, "the cloud's extent needs too many cells")
+        .found(base::to_text(size.x()) + " x " + base::to_text(size.y()) + " m in cells of " + base::to_text(cell) +
+               " m")
+        .allowed("400 million cells")
+        .hint("Use larger cells, or remove stray points far from the survey.");
+  // Cells own their western and northern border: the easternmost and southernmost points need room.
+  const double nudge = 1e-6 * cell;
+  return geometry::covering_grid(low - Vec2(0.0, nudge), high + Vec2(nudge, 0.0), cell);
 }
 
 GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilterOptions& options,
@@ -221,7 +220,13 @@ GroundFilterResult filter_ground(std::span<const Vec3> points, const GroundFilte
   GroundFilterOptions checked = options;
   base::validate(base::bind_options(checked), "ground");
   const Extent extent = extent_of(points);
-  const GridGeometry geometry = geometry_of(extent, cell_of(extent, options));
+  return filter_ground(points, ground_grid(extent.lo, extent.hi, extent.points, options), options, ctx);
+}
+
+GroundFilterResult filter_ground(std::span<const Vec3> points, const GridGeometry& geometry,
+                                 const GroundFilterOptions& options, base::RunContext& ctx) {
+  GroundFilterOptions checked = options;
+  base::validate(base::bind_options(checked), "ground");
   ctx.check_memory(40 * static_cast<std::uint64_t>(geometry.cells()) + points.size(), "ground grid");
   GroundFilterResult result;
   result.surface = bare_earth(low_cells(points, geometry), options);

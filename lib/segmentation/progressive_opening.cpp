@@ -65,8 +65,7 @@ void square_extreme(std::vector<float>& values, std::size_t rows, std::size_t co
     for (std::size_t r = 0; r < rows; ++r)
       std::copy_n(values.data() + r * columns + begin, width, first.data() + (r + radius) * width);
     const float* result = windowed<Better>(first.data(), second.data(), rows, window, width);
-    for (std::size_t r = 0; r < rows; ++r)
-      std::copy_n(result + r * width, width, values.data() + r * columns + begin);
+    for (std::size_t r = 0; r < rows; ++r) std::copy_n(result + r * width, width, values.data() + r * columns + begin);
   });
 }
 

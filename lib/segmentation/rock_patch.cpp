@@ -134,13 +134,13 @@ class Patch {
       result_.ground.up_at_centre = *low;
       result_.notes.emplace_back("ground_not_seen");
     }
-    foot_height_ = std::max(0.1, 3.0 * result_.ground.noise);
     std::size_t high = 0;
     for (const Vec3& p : points_) {
       if ((p.head<2>() - in_.centre).norm() > in_.radius) continue;
       result_.height = std::max(result_.height, result_.ground.height_above(p));
       high += result_.ground.height_above(p) > options_.min_height_m;
     }
+    foot_height_ = std::clamp(3.0 * result_.ground.noise, 0.08, std::max(0.08, 0.12 * result_.height));
     if (result_.height < std::max(options_.min_height_m, 3.0 * result_.ground.noise)) {
       fail("not_above_ground", "nothing stands " + base::to_fixed(options_.min_height_m, 2) +
                                    " m above the ground (noise " + base::to_fixed(result_.ground.noise, 3) + " m)");

@@ -111,6 +111,17 @@ double ramp(double t) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+// Length of the indicator's gradient over four cells, 1/m; no less than a fall over forty cells, for the division.
+double slope_of(const Lattice& lattice, std::span<const float> values, const Vec3& p) {
+  Vec3 gradient;
+  for (Eigen::Index a = 0; a < 3; ++a) {
+    const Vec3 way = 2.0 * lattice.step * Vec3::Unit(a);
+    gradient[a] =
+        (interpolate(lattice, values, p + way) - interpolate(lattice, values, p - way)) / (4.0 * lattice.step);
+  }
+  return std::max(gradient.norm(), 0.025 / lattice.step);
+}
+
 // The rock's values and the cap's, whose larger one counts; the cap's apart so that the crease between them stays
 // sharp.
 struct Fields {
@@ -213,7 +224,8 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
   const double level = median_of(std::move(levels));
 
   // A bridge may be half as wide as the rock.
-  const WideField wide(lattice, reach, 0.5 * box.size().minCoeff(), cloud, frames.normals);
+  const double thickness = box.size().minCoeff();
+  const WideField wide(lattice, reach, 0.5 * thickness, cloud, frames.normals);
   Fields fields;
   fields.rock.resize(lattice.size());
   fields.cap.assign(lattice.size(), kNoCap);
@@ -229,8 +241,12 @@ ImplicitSurface implicit_surface(std::span<const Vec3> points, std::span<const C
       constexpr double kDecided = 0.4, kUndecided = 0.3;
       const double open = ramp((kDecided - std::abs(inside)) / (kDecided - kUndecided));
       if (trust < 1.0 && open > 0.0) {
-        const double bridged = std::clamp(wide.at(lattice.node(n), far), -2.0 * step, 2.0 * step);
-        value = (1.0 - open) * far + open * bridged;
+        // The indicator bridges flat, the wide fits as round as the rest is. Rocks are in between; but a gap as wide as
+        // the rock itself is its other side. Across a round gap the indicator's slope is 1 / diameter.
+        const double slope = slope_of(coarse, indicator, lattice.node(n));
+        const double round = 0.5 + 0.5 * ramp((1.0 / (slope * thickness) - 0.4) / 0.3);
+        const double bridged = round * wide.at(lattice.node(n), -inside / slope) - (1.0 - round) * inside / slope;
+        value = (1.0 - open) * far + open * std::clamp(bridged, -2.0 * step, 2.0 * step);
       }
       if (sphere != nullptr) value = (1.0 - trust) * value + trust * static_cast<double>(sphere->u0);
       fields.rock[n] = static_cast<float>(value);

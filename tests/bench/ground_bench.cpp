@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <fstream>
 #include <set>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -75,12 +76,67 @@ void print(const char* name, const Scores& s, double cpu) {
               s.iou(), 100 * s.type1(), 100 * s.type2(), 100 * s.total(), 100 * s.kappa(), cpu);
 }
 
+struct PclChoices {
+  std::vector<float> cell;
+  std::vector<int> max_window;
+  std::vector<float> slope, initial_distance, max_distance;
+};
+
+// One parameter at a time from `start`, until nothing gets better.
+template <typename Value>
+cairn::bench::PclGroundOptions tune(cairn::bench::PclGroundOptions best, const PclChoices& choices, Value value) {
+  using O = cairn::bench::PclGroundOptions;
+  double most = value(best);
+  for (bool better = true; better;) {
+    better = false;
+    const auto attempt = [&](auto member, const auto& values) {
+      for (const auto v : values) {
+        auto o = best;
+        o.*member = v;
+        const double reached = value(o);
+        if (!(reached > most + 1e-6)) continue;
+        most = reached, best = o, better = true;
+      }
+    };
+    attempt(&O::cell, choices.cell);
+    attempt(&O::max_window, choices.max_window);
+    attempt(&O::exponential, std::vector<bool>{false, true});
+    attempt(&O::slope, choices.slope);
+    attempt(&O::initial_distance, choices.initial_distance);
+    attempt(&O::max_distance, choices.max_distance);
+    attempt(&O::base, std::vector<float>{2.0F, 3.0F});
+  }
+  return best;
+}
+
+void print_options(const cairn::bench::PclGroundOptions& o) {
+  std::printf("PCL cell %g window %d %s slope %g initial %g max %g\n", static_cast<double>(o.cell), o.max_window,
+              o.exponential ? "exponential" : "linear", static_cast<double>(o.slope),
+              static_cast<double>(o.initial_distance), static_cast<double>(o.max_distance));
+}
+
 int boulders(const fs::path& folder, bool pcl, const GroundFilterOptions& options) {
   const auto points = read_raw<Vec3>(folder / "terrain_xyz.f64");
   const auto truth = read_raw<std::uint8_t>(folder / "terrain_label.u8");
   if (pcl) {
-    // Best of cells of 5, 10 and 20 cm, four slopes, four distances and two windows (m) on seed 1.
-    cairn::bench::PclGroundOptions best;
+    // Tuned on a corner of this very cloud.
+    std::vector<Vec3> corner;
+    std::vector<std::uint8_t> corner_truth;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      if (points[i].x() < 25.0 && points[i].y() < 25.0) corner.push_back(points[i]), corner_truth.push_back(truth[i]);
+    cairn::bench::PclGroundOptions first;
+    first.cell = 0.1F, first.max_window = 30, first.slope = 0.5F, first.initial_distance = 0.05F;
+    first.max_distance = 0.3F;
+    const auto best = tune(first,
+                           {{0.06F, 0.1F, 0.15F, 0.2F, 0.3F},
+                            {10, 16, 22, 30, 40},
+                            {0.1F, 0.2F, 0.3F, 0.5F, 0.8F, 1.2F},
+                            {0.015F, 0.03F, 0.05F, 0.08F, 0.12F},
+                            {0.05F, 0.1F, 0.2F, 0.3F, 0.5F}},
+                           [&](const cairn::bench::PclGroundOptions& o) {
+                             return score(corner_truth, cairn::bench::pcl_objects(corner, o)).iou();
+                           });
+    print_options(best);
     const double start = cairn::bench::cpu_seconds();
     const auto found = cairn::bench::pcl_objects(points, best);
     print("PCL", score(truth, found), cairn::bench::cpu_seconds() - start);
@@ -130,21 +186,11 @@ std::vector<Sample> isprs_samples(const fs::path& folder) {
       sample.truth.push_back(at == ground.end() ? 1 : 0);
       if (at != ground.end()) ground.erase(at);
     }
-    if (!ground.empty()) std::printf("%s: %zu ground points are not in the cloud\n", sample.name.c_str(), ground.size());
+    if (!ground.empty())
+      std::printf("%s: %zu ground points are not in the cloud\n", sample.name.c_str(), ground.size());
     samples.push_back(std::move(sample));
   }
   return samples;
-}
-
-void dump(const Sample& sample, const GroundFilterOptions& options) {
-  cairn::base::RunContext ctx;
-  const auto r = cairn::segmentation::filter_ground(sample.points, options, ctx);
-  std::ofstream out("/work/tmp/ground_dump_" + sample.name + ".txt");
-  for (std::size_t i = 0; i < sample.points.size(); ++i) {
-    const auto& p = sample.points[i];
-    out << p.x() - sample.points[0].x() << ' ' << p.y() - sample.points[0].y() << ' ' << p.z() << ' '
-        << int(sample.truth[i]) << ' ' << int(r.classes[i]) << ' ' << r.surface.height_above(p) << '\n';
-  }
 }
 
 template <typename Filter>
@@ -167,47 +213,24 @@ int isprs(const fs::path& folder, bool pcl, const GroundFilterOptions& options, 
     const auto mean = [&](const cairn::bench::PclGroundOptions& o) {
       return over_all(samples, "PCL", false, [&](const auto& p) { return cairn::bench::pcl_objects(p, o); });
     };
+    const PclChoices choices{{0.75F, 1.0F, 1.25F, 1.5F, 2.0F, 2.5F},
+                             {8, 11, 14, 17, 20, 24, 28, 33, 40},
+                             {0.1F, 0.15F, 0.2F, 0.25F, 0.3F, 0.4F, 0.5F, 0.7F, 1.0F},
+                             {0.15F, 0.25F, 0.35F, 0.5F, 0.7F, 1.0F},
+                             {0.7F, 1.0F, 1.3F, 1.6F, 2.0F, 2.5F, 3.0F, 4.0F, 6.0F}};
     const auto tuned = [&](auto value) {
-      cairn::bench::PclGroundOptions best;
-      double most = value(mean(best));
-      for (bool better = true; better;) {
-        better = false;
-        const auto attempt = [&](auto member, const auto& values) {
-          for (const auto v : values) {
-            auto o = best;
-            o.*member = v;
-            const double reached = value(mean(o));
-            if (!(reached > most + 1e-6)) continue;
-            most = reached, best = o, better = true;
-          }
-        };
-        using O = cairn::bench::PclGroundOptions;
-        attempt(&O::cell, std::array{0.75F, 1.0F, 1.25F, 1.5F, 2.0F, 2.5F});
-        attempt(&O::max_window, std::array{8, 11, 14, 17, 20, 24, 28, 33, 40});
-        attempt(&O::exponential, std::array{false, true});
-        attempt(&O::slope, std::array{0.1F, 0.15F, 0.2F, 0.25F, 0.3F, 0.4F, 0.5F, 0.7F, 1.0F});
-        attempt(&O::initial_distance, std::array{0.15F, 0.25F, 0.35F, 0.5F, 0.7F, 1.0F});
-        attempt(&O::max_distance, std::array{0.7F, 1.0F, 1.3F, 1.6F, 2.0F, 2.5F, 3.0F, 4.0F, 6.0F});
-        attempt(&O::base, std::array{2.0F, 3.0F});
-      }
-      return best;
+      return tune({}, choices, [&](const cairn::bench::PclGroundOptions& o) { return value(mean(o)); });
     };
     const auto best = tuned([](const auto& s) { return -s.first; });
     const auto best_kappa = tuned([](const auto& s) { return s.second; });
     for (const auto& o : {best, best_kappa}) {
-      std::printf("PCL cell %g window %d %s slope %g initial %g max %g\n", static_cast<double>(o.cell), o.max_window,
-                  o.exponential ? "exponential" : "linear",
-                  static_cast<double>(o.slope), static_cast<double>(o.initial_distance),
-                  static_cast<double>(o.max_distance));
+      print_options(o);
       const auto [total, kappa] =
           over_all(samples, "PCL", true, [&](const auto& p) { return cairn::bench::pcl_objects(p, o); });
       std::printf("PCL mean: total %.2f %%  kappa %.2f %%\n", 100 * total, 100 * kappa);
     }
   }
-  if (std::getenv("DUMP"))
-    for (const auto& s : samples) dump(s, options);
-  const auto [total, kappa] =
-      over_all(samples, "cairn", each, [&](const auto& p) { return objects(p, options); });
+  const auto [total, kappa] = over_all(samples, "cairn", each, [&](const auto& p) { return objects(p, options); });
   std::printf("cairn mean: total %.2f %%  kappa %.2f %%\n", 100 * total, 100 * kappa);
   return 0;
 }
@@ -222,10 +245,8 @@ int main(int argc, char** argv) {
   for (int i = 3; i < argc; ++i) {
     const std::string argument = argv[i];
     const auto equals = argument.find('=');
-    if (argument == "pcl")
-      pcl = true;
-    else if (argument == "mean")
-      each = false;
+    if (argument == "pcl") pcl = true;
+    else if (argument == "mean") each = false;
     else if (equals != std::string::npos)
       cairn::base::set_option(cairn::base::bind_options(options), argument.substr(0, equals),
                               argument.substr(equals + 1));

@@ -151,6 +151,39 @@ TEST(Topple, AgreesWithThePlaneModelUnderPulses) {
   EXPECT_GE(agree, count - 1);  // one may lie on the boundary
 }
 
+// Dropped flat from h, a body comes back to e^2 h.
+TEST(Topple, BouncesByTheRestitutionDeclared) {
+  constexpr double kHeight = 0.5, kRestitution = 0.6;
+  ToppleOptions options;
+  options.restitution = kRestitution;
+  options.step_s = 1e-4;
+  options.sample_s = 1e-3;
+  options.settle_s = 0.8;
+  BodyStart start;
+  start.T_world_start.translation = {0, 0, kHeight};
+  const auto result = topple(block_rock(1, 1, 1), BaseMotion{}, options, start);
+  double peak = 0.0;
+  bool landed = false;
+  for (const auto& s : result.path) {
+    landed = landed || s.displacement_m.z() < 0.01;
+    if (landed) peak = std::max(peak, s.displacement_m.z());
+  }
+  EXPECT_NEAR(peak, kRestitution * kRestitution * kHeight, 0.005);
+}
+
+// On springs the body sinks by its weight over their stiffness.
+TEST(Topple, SinksIntoTheStiffnessDeclared) {
+  const auto rock = block_rock(1, 1, 1);
+  ToppleOptions options;
+  options.stiffness_n_m = 1e6;
+  options.damping_ns_m = 5e4;
+  options.sample_s = 0.1;
+  const auto result = topple(rock, BaseMotion{}, options);
+  const double sag = rock.mass_kg * testing::kG / (4 * options.stiffness_n_m);
+  EXPECT_NEAR(result.path.back().displacement_m.z(), -sag, 0.02 * sag);
+  EXPECT_LT(result.max_tilt_rad, 1e-6);
+}
+
 TEST(Topple, SlidesOnLowFriction) {
   ToppleOptions options;
   options.friction = 0.1;

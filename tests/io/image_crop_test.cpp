@@ -40,6 +40,16 @@ TEST(CropJpegs, EqualInputsGiveEqualBytes) {
   EXPECT_EQ(crop_jpegs(kPhoto, {{100, 100, 400, 300}}), crop_jpegs(kPhoto, {{100, 100, 400, 300}}));
 }
 
+TEST(CropParts, TellWhereTheyWereTaken) {
+  const auto parts = crop_parts(kPhoto, {{100, 100, 400, 300}, {5000, 100, 5100, 200}});
+  // The longer side 300, with 0.6 of it on both sides: 660 about (250, 200), moved inside the photograph.
+  EXPECT_EQ(parts[0].x_px, 0.0);
+  EXPECT_EQ(parts[0].y_px, 0.0);
+  EXPECT_NEAR(parts[0].scale, 224.0 / 660.0, 1e-12);
+  EXPECT_EQ(parts[0].side_px, 224.0);
+  EXPECT_TRUE(parts[1].jpeg.empty());
+}
+
 TEST(CropJpegs, AFileThatIsNoPhotographIsRefused) {
   const testing::TempFolder folder;
   base::write_file(folder / "a.jpg", "not a photograph");

@@ -274,7 +274,7 @@ void sample(RockScan& scan, const simulation::RenderScene& world, const std::vec
   how.margin_m = options.margin_m;
   how.contact_width_m = 1e-9;  // points keep their body; the basal contact is named below
   base::RunContext ctx;
-  ctx.seed = scan.seed;
+  ctx.seed = options.sampling == 0 ? scan.seed : base::Random(scan.seed, "rock scan sampling", options.sampling).bits();
   scan.cloud = simulation::sample_cloud(world, views, how, ctx);
   scan.surface = as_bytes(scan.cloud.scalar("label")->values);
   scan.target_id = as_ids(scan.cloud.scalar("target_id")->values);

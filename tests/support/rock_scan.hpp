@@ -39,6 +39,7 @@ struct RockScanOptions {
   int contact_pads = 0;        // drawn: one in four of five rocks, else two to four
   double margin_m = 0.6;       // of ground and pedestal round the rock
   double edge_m = 0.02;        // of the true mesh
+  std::uint64_t sampling = 0;  // another number: the same rock and views, other points and noise
 };
 
 struct RockScan {

@@ -16,7 +16,7 @@ using base::ErrorCode;
 
 constexpr std::int64_t kMaxPixels = 400'000'000;
 
-std::string crop(const cv::Mat& photograph, const geometry::PixelBox& box, const ImageCropOptions& o) {
+ImagePart crop(const cv::Mat& photograph, const geometry::PixelBox& box, const ImageCropOptions& o) {
   const double width = photograph.cols, height = photograph.rows;
   const geometry::Vec2 middle = box.centre();
   if (!(middle.x() >= 0.0 && middle.y() >= 0.0 && middle.x() < width && middle.y() < height)) return {};
@@ -42,13 +42,17 @@ std::string crop(const cv::Mat& photograph, const geometry::PixelBox& box, const
   }
   std::vector<unsigned char> bytes;
   if (!cv::imencode(".jpg", part, bytes, {cv::IMWRITE_JPEG_QUALITY, static_cast<int>(o.quality)})) return {};
-  return {bytes.begin(), bytes.end()};
+  return {{bytes.begin(), bytes.end()},
+          static_cast<double>(x),
+          static_cast<double>(y),
+          static_cast<double>(shown) / side,
+          static_cast<double>(shown)};
 }
 
 }  // namespace
 
-std::vector<std::string> crop_jpegs(const std::filesystem::path& photograph,
-                                    const std::vector<geometry::PixelBox>& boxes, const ImageCropOptions& options) {
+std::vector<ImagePart> crop_parts(const std::filesystem::path& photograph, const std::vector<geometry::PixelBox>& boxes,
+                                  const ImageCropOptions& options) {
   const ImageHeader header = read_image_header(photograph);
   if (header.width_px > kMaxPixels / header.height_px)
     throw Error(ErrorCode::invalid_input, "the photograph is too large")
@@ -63,8 +67,15 @@ std::vector<std::string> crop_jpegs(const std::filesystem::path& photograph,
   }
   if (image.empty())
     throw Error(ErrorCode::invalid_input, "the photograph cannot be decoded").file(photograph.string());
-  std::vector<std::string> out;
+  std::vector<ImagePart> out;
   for (const geometry::PixelBox& box : boxes) out.push_back(crop(image, box, options));
+  return out;
+}
+
+std::vector<std::string> crop_jpegs(const std::filesystem::path& photograph,
+                                    const std::vector<geometry::PixelBox>& boxes, const ImageCropOptions& options) {
+  std::vector<std::string> out;
+  for (ImagePart& part : crop_parts(photograph, boxes, options)) out.push_back(std::move(part.jpeg));
   return out;
 }
 
