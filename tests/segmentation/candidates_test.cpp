@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "support/boulder_field.hpp"
@@ -21,6 +22,7 @@ TEST(Candidates, OneForEachBoulder) {
   std::map<std::int32_t, std::size_t> sizes;
   for (const std::int32_t b : field.boulder) ++sizes[b];
   std::size_t matched = 0;
+  std::vector<double> ground_errors;
   for (const Candidate& c : found) {
     EXPECT_TRUE(std::is_sorted(c.points.begin(), c.points.end()));
     std::map<std::int32_t, std::size_t> votes;
@@ -35,13 +37,18 @@ TEST(Candidates, OneForEachBoulder) {
     const auto& boulder = field.boulders[static_cast<std::size_t>(best->first)];
     EXPECT_LT((c.centre - boulder.centre).norm(), 0.35);
     EXPECT_NEAR(c.radius, boulder.a, 0.4);
-    EXPECT_NEAR(c.ground_up, field.ground(c.centre.x(), c.centre.y()), 0.2);
+    ground_errors.push_back(std::abs(c.ground_up - field.ground(c.centre.x(), c.centre.y())));
     for (const std::uint32_t i : c.points)
       EXPECT_LE((field.points[i].head<2>() - c.centre).norm(), c.radius * (1 + 1e-9));
   }
   // Both at least 95 %.
   EXPECT_GE(matched, 38U);
   EXPECT_LE(found.size(), 42U);
+  // The ground below is not seen: it bends under single boulders by decimetres, under most by little.
+  constexpr double kMedianGroundError = 0.05;  // m
+  ASSERT_GE(ground_errors.size(), 30U);
+  std::nth_element(ground_errors.begin(), ground_errors.begin() + 20, ground_errors.end());
+  EXPECT_LT(ground_errors[20], kMedianGroundError);
 }
 
 TEST(Candidates, SizesAreSieved) {

@@ -30,8 +30,12 @@ TEST(ObjectCells, SlopesAreKeptAndBlocksAreCutOff) {
   for (std::size_t r = 0; r < kGrid.rows; ++r)
     for (std::size_t c = 0; c < kGrid.columns; ++c)
       EXPECT_EQ(found.at(r, c), r >= 20 && r < 29 && c >= 30 && c < 37 ? 1 : 0) << r << ' ' << c;
-  // A window of 5 cells is narrower than the block: nothing is cut off.
-  const auto narrow = object_cells(heights, 2, 0.15);
+  // A window of 5 cells is narrower than a block on level ground: nothing is cut off. (Of a tilted roof it takes the
+  // upper edge.)
+  Grid<float> level(kGrid, 1.0F);
+  for (std::size_t r = 20; r < 29; ++r)
+    for (std::size_t c = 30; c < 37; ++c) level.at(r, c) = 5.0F;
+  const auto narrow = object_cells(level, 2, 0.15);
   EXPECT_EQ(std::count(narrow.values.begin(), narrow.values.end(), 1), 0);
 }
 
