@@ -39,7 +39,7 @@ std::vector<std::size_t> hull_indices(const std::vector<Vec2>& points, double sl
     while (hull.size() >= base + 2) {
       const Vec2& o = points[hull[hull.size() - 2]];
       const Vec2 chord = points[next] - o;
-      if (cross(points[hull.back()] - o, chord) > slack * chord.norm()) break;
+      if (cross(points[hull.back()] - o, chord) > 0.0) break;
       hull.pop_back();
     }
     hull.push_back(next);
@@ -49,6 +49,13 @@ std::vector<std::size_t> hull_indices(const std::vector<Vec2>& points, double sl
   hull.pop_back();
   for (auto i = order.rbegin(); i != order.rend(); ++i) grow(*i, lower);
   hull.pop_back();
+  // Only now, with the corners known: points that rounding scattered about a side are dropped.
+  for (std::size_t i = 0; i < hull.size() && hull.size() > 2;) {
+    const Vec2& before = points[hull[(i + hull.size() - 1) % hull.size()]];
+    const Vec2 chord = points[hull[(i + 1) % hull.size()]] - before;
+    if (cross(points[hull[i]] - before, chord) > slack * chord.norm()) ++i;
+    else hull.erase(hull.begin() + static_cast<std::ptrdiff_t>(i));
+  }
   return hull;
 }
 
