@@ -12,8 +12,8 @@ mkdir -p "$out"
 echo "simulate: three rings of photographs; a cloud of 1 cm spacing with 5 mm noise"
 "$cairn" simulate "$here/scene.json" --seed 1 -o "$out/survey" --overwrite
 
-echo "segment: nothing says where the rock is"
-"$cairn" segment "$out/survey/cloud.las" -o "$out/labelled.las" --overwrite
+echo "segment: the target, a cylinder round the rock, says where it is"
+"$cairn" segment "$out/survey/cloud.las" --targets "$here/targets.json" -o "$out/labelled.las" --overwrite
 
 echo "surface: a closed mesh through the contact line"
 "$cairn" surface "$out/labelled.las" -o "$out/rocks" --overwrite

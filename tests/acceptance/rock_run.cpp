@@ -48,6 +48,21 @@ void write_target(const fs::path& path, const testing::RockScan& scan) {
   io::write_targets(path, file);
 }
 
+// The true cylinders as targets.
+void write_targets_of(const fs::path& path, const survey::Truth& truth) {
+  io::TargetsFile file;
+  for (const auto& object : truth.objects) {
+    survey::Target target;
+    target.id = survey::TargetId(object.id.value);
+    target.object_class = "rock";
+    target.state = survey::TargetState::converged;
+    target.centre = object.cylinder.centre();
+    target.bcylinder = object.cylinder;
+    file.targets.push_back(std::move(target));
+  }
+  io::write_targets(path, file);
+}
+
 void write_truth_files(const fs::path& folder, const geometry::PointCloud& labelled, const survey::Truth& truth) {
   io::write_cloud(folder / "truth.las", labelled);
   fs::create_directories(folder / "truth");
@@ -199,6 +214,10 @@ Json run_cloud(const fs::path& cloud, const fs::path& truth, const fs::path& kee
   bool good = step(line, "segment", [&] {
     pipeline::SegmentFiles in;
     in.cloud = cloud;
+    if (!truth.empty()) {
+      write_targets_of(folder / "targets.json", io::read_truth(truth));
+      in.targets = folder / "targets.json";
+    }
     (void)pipeline::segment_file(in, folder / "labelled.las", folder / "labelled.contact.csv", {}, ctx);
   });
   good = good && measure(line, folder, ctx);

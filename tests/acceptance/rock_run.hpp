@@ -27,7 +27,8 @@ struct RockRunOptions {
 [[nodiscard]] io::Json run_scene(std::uint64_t seed, const testing::RockSceneOptions& options,
                                  const std::filesystem::path& keep, base::RunContext& ctx);
 
-// A labelled cloud with its truth.json, unguided through the same chain: {"kind": "cloud", "seed": 0, "family": "",
+// A labelled cloud with its truth.json, its rocks' cylinders as targets (without truth unguided), through the same
+// chain: {"kind": "cloud", "seed": 0, "family": "",
 // "cpu_s", "failed", "scores"}. Its own labels are the truth.
 [[nodiscard]] io::Json run_cloud(const std::filesystem::path& cloud, const std::filesystem::path& truth,
                                  const std::filesystem::path& keep, base::RunContext& ctx);

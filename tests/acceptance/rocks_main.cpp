@@ -5,7 +5,7 @@
 //   --seeds N        rocks of the families that are not held out
 //   --held-out       the held-out family instead, under the same seeds
 //   --resamplings N  each seed sampled N times more
-//   --cloud FILE     that cloud alone, unguided, and its line to stdout; --truth names its truth.json
+//   --cloud FILE     that cloud alone, its line to stdout; --truth names a truth.json whose cylinders are targets
 //   --scenes N       clouds of many rocks, unguided, instead of single rocks
 #include <cstdio>
 #include <filesystem>
