@@ -95,8 +95,8 @@ std::optional<survey::TippingEdge> maybe_edge(const Json& json, std::string_view
 }
 
 survey::Quantiles quantiles_from_json(const Json& json) {
-  return {json.at("p05").as_real(), json.at("p16").as_real(), json.at("p50").as_real(), json.at("p84").as_real(),
-          json.at("p95").as_real()};
+  return {real_or_never(json.at("p05")), real_or_never(json.at("p16")), real_or_never(json.at("p50")),
+          real_or_never(json.at("p84")), real_or_never(json.at("p95"))};
 }
 
 Json bound_to_json(const std::optional<survey::TippingBound>& bound) {
@@ -195,11 +195,11 @@ std::optional<survey::TippingUncertainty> uncertainty_from_json(const Json& json
 }  // namespace
 
 Json to_json(const survey::Quantiles& q) {
-  return Json::object({{"p05", finite(q.p05, "p05")},
-                       {"p16", finite(q.p16, "p16")},
-                       {"p50", finite(q.p50, "p50")},
-                       {"p84", finite(q.p84, "p84")},
-                       {"p95", finite(q.p95, "p95")}});
+  return Json::object({{"p05", real_or_never(q.p05, "p05")},
+                       {"p16", real_or_never(q.p16, "p16")},
+                       {"p50", real_or_never(q.p50, "p50")},
+                       {"p84", real_or_never(q.p84, "p84")},
+                       {"p95", real_or_never(q.p95, "p95")}});
 }
 
 Json named_values_to_json(const std::vector<survey::NamedValue>& values) {

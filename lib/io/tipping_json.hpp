@@ -11,6 +11,7 @@ namespace cairn::io {
 // Members that only newer versions write may be missing.
 [[nodiscard]] survey::Tipping tipping_from_json(const Json& json);
 
+// A quantile is null where that many of the draws are never toppled by a push.
 [[nodiscard]] Json to_json(const survey::Quantiles& quantiles);
 // {name: value, ..} in order, and back.
 [[nodiscard]] Json named_values_to_json(const std::vector<survey::NamedValue>& values);

@@ -59,7 +59,7 @@ bool is_stale(const fs::path& relative, const Ids& changed) {
   return relative.parent_path().empty() && std::find(kStaleFiles.begin(), kStaleFiles.end(), name) != kStaleFiles.end();
 }
 
-void copy_file(const fs::path& from, const fs::path& to) {
+void copy_product(const fs::path& from, const fs::path& to) {
   std::error_code code;
   fs::create_directories(to.parent_path(), code);
   fs::copy_file(from, to, fs::copy_options::overwrite_existing, code);
@@ -70,7 +70,7 @@ void copy_rest(const fs::path& from, const fs::path& to, const Ids& changed) {
   for (const auto& entry : fs::recursive_directory_iterator(from)) {
     if (!entry.is_regular_file()) continue;
     const fs::path relative = entry.path().lexically_relative(from);
-    if (!is_stale(relative, changed)) copy_file(entry.path(), to / relative);
+    if (!is_stale(relative, changed)) copy_product(entry.path(), to / relative);
   }
 }
 
@@ -111,12 +111,12 @@ class Review {
       if (!plan.reshaped.contains(id))
         for (const auto& entry : fs::directory_iterator(files_.result / "rocks"))
           if (rock_of_file(entry.path()) == id && entry.path().filename().string().find('_') == std::string::npos)
-            copy_file(entry.path(), out_ / "rocks" / entry.path().filename());
+            copy_product(entry.path(), out_ / "rocks" / entry.path().filename());
     tip(plan, changed);
     write_rocks(plan);
     if (fs::exists(files_.result / "targets.json") && !frame_.is_null()) write_targets(plan);
     write_review(out_ / "review.json", plan.record);
-    copy_file(files_.edits, out_ / "edits.csv");
+    copy_product(files_.edits, out_ / "edits.csv");
     std::vector<std::string> again = summaries();
     return outcome(plan, changed, already, again);
   }
@@ -176,7 +176,7 @@ class Review {
     const fs::path products = work_ / "products";
     fs::create_directories(products);
     io::write_cloud(products / "labelled.las", only_rocks(std::move(file.cloud), plan.reshaped), write);
-    copy_file(out_ / "segments.json", products / "segments.json");
+    copy_product(out_ / "segments.json", products / "segments.json");
     if (const fs::path contact = files_.result / "contact.csv"; fs::exists(contact)) {
       // The lines of merged and split rocks are no longer theirs: the surface derives new ones from the points.
       io::ContactFile lines = io::read_contact_csv(contact);
@@ -190,7 +190,7 @@ class Review {
     run_stage("surface", products, made, {"locate", "segment"});
     if (fs::exists(made / "rocks"))
       for (const auto& entry : fs::directory_iterator(made / "rocks"))
-        copy_file(entry.path(), out_ / "rocks" / entry.path().filename());
+        copy_product(entry.path(), out_ / "rocks" / entry.path().filename());
   }
 
   void write_segments(const ReviewPlan& plan, const std::map<std::int64_t, std::size_t>& points) const {
@@ -235,7 +235,7 @@ class Review {
       fs::create_directories(made);
       for (const auto& entry : fs::directory_iterator(out_ / "rocks"))
         if (const auto id = rock_of_file(entry.path()); id && ids.contains(*id))
-          copy_file(entry.path(), products / "rocks" / entry.path().filename());
+          copy_product(entry.path(), products / "rocks" / entry.path().filename());
       base::write_file(products / "segments.json", "{\"schema_version\": 1, \"segments\": []}\n");
       std::map<std::string, std::string> options;
       if (density) options["density"] = base::to_text(*density);
@@ -258,7 +258,7 @@ class Review {
       }
       for (const auto& entry : fs::recursive_directory_iterator(made)) {
         const fs::path relative = entry.path().lexically_relative(made);
-        if (entry.is_regular_file() && relative != "rocks.json") copy_file(entry.path(), out_ / relative);
+        if (entry.is_regular_file() && relative != "rocks.json") copy_product(entry.path(), out_ / relative);
       }
     }
   }

@@ -89,8 +89,13 @@ inline void write_rock_result(const std::filesystem::path& folder) {
   io::Json stages = io::Json::array();
   for (const char* name : {"surface", "fragility"}) {
     const auto stage = pipeline::make_stage(name);
+    io::Json options = io::Json::object();
+    if (std::string(name) == "fragility") {
+      base::set_option(stage->options(), "draws", "0");
+      options.set("draws", 0);
+    }
     stage->run({survey_folder, result, {"locate", "segment", "surface"}}, result, ctx);
-    stages.push(io::Json::object({{"stage", name}, {"options", io::Json::object()}}));
+    stages.push(io::Json::object({{"stage", name}, {"options", std::move(options)}}));
   }
   const auto run = io::Json::object({{"cairn_version", "test"},
                                      {"command", "run"},
