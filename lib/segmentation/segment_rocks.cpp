@@ -165,6 +165,8 @@ RockCuts segment_rocks(const geometry::PointCloud& cloud, const std::vector<Rock
     }
     RockCut kept = *cut;
     if (attempt.tried) kept.notes.push_back(attempt.patch.reason);
+    if (const auto given = guidance.contacts.find(target.id.value); given != guidance.contacts.end())
+      kept.contact = given->second;
     std::erase_if(kept.points, [&](std::size_t i) { return cuts.target_ids[i] != kNoTarget; });
     for (const std::size_t i : kept.points) {
       cuts.labels[i] = Label::rock;
