@@ -22,6 +22,7 @@ constexpr double kRing = 0.4;             // m of surroundings beyond the margin
 constexpr double kBandStep = 0.1;         // of the height: bounds slide by this
 constexpr double kBandWidth = 0.35;       // of the height: between what is rock and what is not
 constexpr double kFootDiscount = 0.6;     // worth of a crease on the ground against one above it
+constexpr double kNearlyAsGood = 0.75;    // of the bend of the best crease
 constexpr float kLeastCapacity = 0.003F;  // of the cost of a cut on the flat
 constexpr double kBasalSpacings = 1.5;    // points this near to the line are basal contact
 constexpr double kRelabelSpacings = 8.0;  // and this near they are told by the surfaces at the line
@@ -268,7 +269,7 @@ class Patch {
     measure_concavity(graph_, axis, reach_);
     edges_ = weigh_pairs(graph_);
     const double inner = in_.radius + options_.margin_m;
-    Cut best;
+    std::vector<Cut> cuts;
     for (double top = 0.85; top > 0.1; top -= kBandStep) {
       if (top < from || top > to) continue;
       const double upper = top * result_.height, lower = (top - kBandWidth) * result_.height;
@@ -282,9 +283,20 @@ class Patch {
       }
       Cut cut = cut_between(state);
       cut.top = top;
-      if (cut.any && (!best.any || cut.worth(foot_height_) > best.worth(foot_height_))) best = std::move(cut);
+      if (cut.any) cuts.push_back(std::move(cut));
     }
-    return best;
+    if (cuts.empty()) return {};
+    const auto best = std::max_element(cuts.begin(), cuts.end(), [&](const Cut& a, const Cut& b) {
+      return a.worth(foot_height_) < b.worth(foot_height_);
+    });
+    if (best->height < foot_height_) return std::move(*best);
+    // A rock may have a waist of its own: of creases that are nearly as good the lowest one closes around its foot.
+    auto lowest = best;
+    for (auto cut = cuts.begin(); cut != cuts.end(); ++cut)
+      if (cut->height >= foot_height_ && cut->height < lowest->height &&
+          cut->concavity >= kNearlyAsGood * best->concavity)
+        lowest = cut;
+    return std::move(*lowest);
   }
 
   // What stands out of the ground below the rock.

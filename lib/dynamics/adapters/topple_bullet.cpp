@@ -35,7 +35,7 @@ constexpr double kSlidShare = 0.1;        // of the foot's size
 constexpr double kReach_m = 5e-3;         // corners this near take part in the solve
 constexpr double kStillSpeed_m_s = 5e-4;  // slower than this (of any corner) for kStill_s: at rest
 constexpr double kStill_s = 0.3;
-constexpr double kResidual = 1e-24;  // m^2/s^2: the solver stops once an iteration changes velocities by less
+constexpr double kResidual = 1e-14;  // m^2/s^2: the solver stops once an iteration changes velocities by less
 
 btVector3 bt(const Vec3& v) {
   return {v.x(), v.y(), v.z()};
