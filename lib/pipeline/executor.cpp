@@ -318,6 +318,7 @@ ExecuteReport execute(const Recipe& recipe, const StageFactory& factory, const s
     if (const std::string lacks = plan.optional[i] ? stage->missing(in) : std::string(); !lacks.empty()) {
       Record stale = read_record(record_path(options.out, name));
       if (!options.dry_run && !stale.key.empty()) {
+        report.nothing_to_do = false;
         if (!claimed) claim();
         remove_products(options.out, stale);
         fs::remove(record_path(options.out, name));
