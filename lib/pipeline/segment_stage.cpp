@@ -15,6 +15,7 @@
 #include "io/csv.hpp"
 #include "io/survey_folder.hpp"
 #include "io/targets_json.hpp"
+#include "pipeline/segment_large.hpp"
 #include "pipeline/survey_sources.hpp"
 
 namespace cairn::pipeline {
@@ -167,6 +168,8 @@ void SegmentOptions::visit(base::OptionVisitor& visitor) {
   visitor.text("classes", classes, "target classes that are rocks, comma-separated");
   visitor.choice("keep", keep, {"all", "labelled"}, "points written: all, or those with a label");
   visitor.flag("intensity-labels", intensity_labels, "intensity: 1 rock, 2 basal contact, 0 pedestal and all else");
+  visitor.real("tile-m", tile_m, 0.0, 100000.0,
+               "edge of a tile, m, where a LAS cloud without targets goes by tile; 0: only where memory is short");
   rocks.visit(visitor);
 }
 
@@ -258,6 +261,16 @@ fs::path contact_beside(const fs::path& labelled) {
 Outcome segment_file(const SegmentFiles& in, const fs::path& out_las, const fs::path& out_contact,
                      const SegmentOptions& options, base::RunContext& ctx) {
   const bool guided = !in.targets.empty();
+  if (goes_by_tile(in, options, ctx)) {
+    const auto T = placement_of(in, "").T_world_source;
+    const auto forth = [&](const Vec3& p) -> Vec3 { return T ? *T * p : p; };
+    auto large = segment_large(in, out_las, forth, options, ctx);
+    const auto back = [&](const Vec3& p) -> Vec3 { return T ? T->inverse() * p : p; };
+    io::write_contact_csv(out_contact, contact_file(large.cuts, back));
+    large.outcome.summary.set("guided", false);
+    large.outcome.summary.set("segments", segments_json(large.cuts, large.targets).at("segments"));
+    return std::move(large.outcome);
+  }
   const auto targets = guided ? io::read_targets(in.targets) : io::TargetsFile{};
   auto file = io::read_cloud(in.cloud);
   for (const auto& warning : file.facts.warnings) ctx.warn(in.cloud.filename().string() + ": " + warning);

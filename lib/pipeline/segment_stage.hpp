@@ -20,6 +20,9 @@ struct SegmentOptions {
   std::string keep = "all";
   // Also writes the convention of other tools into `intensity`: 1 rock, 2 basal contact, 0 pedestal and all else.
   bool intensity_labels = false;
+  // Edge of a tile, m: LAS clouds without targets, picks and contacts are read, segmented and written tile by tile, so
+  // that they need not fit into memory. 0: the whole cloud at once, unless --memory-limit forbids it.
+  double tile_m = 0.0;
   segmentation::SegmentRocksOptions rocks;
 
   void visit(base::OptionVisitor& visitor);
