@@ -89,7 +89,7 @@ TEST(RocksOnBrightonBeach, CutsClosesAndGradesHonestly) {
   const testing::TempFolder folder;
   fs::create_directories(folder / "surfaces");
   fs::create_directories(folder / "fragility");
-  const auto surfaces = surface_rocks(segmented.cloud, {}, "local ENU", folder / "surfaces", {}, ctx);
+  const auto surfaces = surface_rocks(segmented.cloud, {}, {}, "local ENU", folder / "surfaces", {}, ctx);
   EXPECT_EQ(surfaces.summary.at("rocks").as_integer(), static_cast<std::int64_t>(segmented.cuts.rocks.size()));
   for (const auto& row : surfaces.summary.at("surfaces").as_array()) {
     EXPECT_TRUE(row.at("watertight").as_bool());
@@ -98,7 +98,7 @@ TEST(RocksOnBrightonBeach, CutsClosesAndGradesHonestly) {
     EXPECT_LE(row.at("volume_m3").as_real(), row.at("hull_volume_m3").as_real() * (1 + 1e-9));
   }
 
-  const auto graded = fragility_files({folder / "surfaces", {}}, folder / "fragility", true, {}, ctx);
+  const auto graded = fragility_files({folder / "surfaces", {}, {}}, folder / "fragility", true, {}, ctx);
   for (const auto& row : graded.summary.at("rocks").as_array()) {
     const auto name = site.names.at(row.at("id").as_integer());
     const auto grade = row.at("grade").as_string();

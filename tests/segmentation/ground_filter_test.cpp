@@ -97,7 +97,8 @@ TEST(GroundFilter, IsprsSamplesWithOneParameterSet) {
     double total, kappa;
   };
   // What is reached plus half a percent.
-  for (const Limit& limit : {Limit{"samp21", 0.018, 0.955}, Limit{"samp31", 0.04, 0.925}, Limit{"samp51", 0.034, 0.905}}) {
+  for (const Limit& limit :
+       {Limit{"samp21", 0.018, 0.955}, Limit{"samp31", 0.04, 0.925}, Limit{"samp51", 0.034, 0.905}}) {
     const Scores s = isprs(limit.name, airborne);
     EXPECT_LT(s.total, limit.total) << limit.name;
     EXPECT_GT(s.kappa, limit.kappa) << limit.name;

@@ -39,7 +39,9 @@ TEST(RockScan, TruthHoldsTogether) {
     EXPECT_GT(count(scan.label, 1), 500U);
     // A basal point keeps the body it lies on in `surface`.
     for (std::size_t i = 0; i < scan.label.size(); ++i)
-      if (scan.label[i] == 4) EXPECT_TRUE(scan.surface[i] == 2 || scan.surface[i] == 3);
+      if (scan.label[i] == 4) {
+        EXPECT_TRUE(scan.surface[i] == 2 || scan.surface[i] == 3);
+      }
     const auto pointwise = fragility::tipping(scan.mass, scan.rim.front());
     EXPECT_NEAR(pointwise.alpha_point, scan.on_rim.alpha_point, kAngle);
   }
