@@ -156,6 +156,7 @@ io::Json rock_summary(const survey::Rock& rock, const std::string& name, const s
                                 {"name", name},
                                 {"grade", survey::name_of(tip.grade)},
                                 {"reasons", io::Json(tip.reasons)},
+                                {"notes", io::Json(rock.reasons)},
                                 {"volume_m3", mass.volume},
                                 {"hull_volume_m3", rock.hull_volume_m3},
                                 {"density_kg_m3", density},

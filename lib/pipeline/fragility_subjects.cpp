@@ -128,9 +128,14 @@ FragilitySubject subject_of_mesh(const fs::path& path, const fragility::Fragilit
   s.rock.base_height_m = box.min.z();
   s.rock.mass = body.mass;
   s.rock.hull_volume_m3 = body.hull_volume;
-  s.rock.unseen_area_fraction = 0.0;
+  s.rock.unseen_area_fraction = body.quality.unseen_area_fraction;
   s.rock.reasons = body.notes;
-  s.contact = assumed_pad(fragility::contact_band(body.mesh, options.contact_band));
+  s.rock.cap = body.cap;
+  s.rock.cap_height_sigma_m = body.cap_height_sigma;
+  // What closed a hole was seen by nobody; of the rest a bare mesh says nothing.
+  if (body.quality.unseen_area_fraction > 0.0) s.evidence.unseen_area_fraction = body.quality.unseen_area_fraction;
+  s.contact = body.contact.empty() ? assumed_pad(fragility::contact_band(body.mesh, options.contact_band))
+                                   : std::move(body.contact);
   s.evidence.width_m = rectangle.width;
   s.evidence.height_m = box.size().z();
   s.mesh = std::move(body.mesh);

@@ -303,6 +303,10 @@ RepairedMesh repair(const TriangleMesh& given) {
     if (result.made[t] != 0) made += area;
   }
   result.closed_share = whole > 0.0 ? made / whole : 0.0;
+  double holes = 0.0;
+  for (std::size_t i = 0; i < rims.size(); ++i)
+    if (!base || i != largest) holes += areas[i];
+  result.hole_share = whole > 0.0 ? holes / whole : 0.0;
   return result;
 }
 

@@ -14,6 +14,7 @@ struct RepairedMesh {
   geometry::TriangleMesh mesh;
   std::vector<std::uint8_t> made;  // a flag a triangle: 1 = closes a hole
   double closed_share = 0.0;       // area of the closing triangles / whole area
+  double hole_share = 0.0;         // area of the holes other than the base, in their best-fit planes / whole area
   // Outline of the open base that was closed, one inferred pad; empty where there was none. Base: the largest opening,
   // if its closing face looks down (z up) and its middle lies in the lower half.
   survey::Contact base;

@@ -253,6 +253,11 @@ std::variant<RockBody, base::Reject> body_of(const geometry::TriangleMesh& mesh)
   if (repaired.closed_share > kMostMade)
     return reject("surface_not_closed", base::to_fixed(100.0 * repaired.closed_share, 0) +
                                             " % of the closed surface would be made up; 50 % allowed");
+  // An open base is how rocks are scanned; what lies behind a large hole in a flank nobody knows.
+  constexpr double kMostHoles = 0.05;
+  if (repaired.hole_share > kMostHoles)
+    return reject("surface_not_closed", "holes beside the base take " + base::to_fixed(100.0 * repaired.hole_share, 0) +
+                                            " % of the surface; 5 % allowed");
   RockBody body;
   body.method = kGiven;
   body.cap = repaired.base.empty() ? survey::CapModel::none : survey::CapModel::patch;

@@ -50,7 +50,9 @@ TEST(HtmlReport, equal_data_give_equal_bytes) {
 TEST(HtmlReport, loads_nothing) {
   const std::string& html = sample_page();
   EXPECT_NE(html.find("default-src &#39;none&#39;"), std::string::npos);
-  const std::string page = without_bundle(html);
+  // The name of SVG's namespace is no address that is visited.
+  const std::string page =
+      std::regex_replace(without_bundle(html), std::regex("xmlns=\"http://www.w3.org/2000/svg\""), "");
   EXPECT_FALSE(std::regex_search(
       page, std::regex("<(script|iframe|object|embed|link|base|form|video|audio)[^>]*(src|href|data|action)=",
                        std::regex::icase)));

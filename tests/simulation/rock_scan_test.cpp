@@ -63,9 +63,9 @@ TEST(RockScan, TheSameSeedGivesTheSameBytesAndAnotherSamplingOtherPoints) {
 TEST(RockScan, WhatHidesTheContactHidesSomeOfIt) {
   auto options = coarse();
   options.hiding = Hiding::none;
-  const auto open = make_rock_scan(12, options);
+  const auto open = make_rock_scan(7, options);
   options.hiding = Hiding::brush;
-  const auto brush = make_rock_scan(12, options);
+  const auto brush = make_rock_scan(7, options);
   EXPECT_LT(open.hidden_share, 0.1);
   EXPECT_GT(brush.hidden_share, open.hidden_share);
   EXPECT_GT(count(brush.label, 0), 0U);  // the shrubs

@@ -203,6 +203,23 @@ TEST_F(FragilityCommand, FromCloudToGrade) {
   EXPECT_NEAR(post.at("volume_m3").as_real(), 0.942, 0.04);
 }
 
+TEST_F(FragilityCommand, AnOpenBaseIsClosedAndSaidSo) {
+  auto open = ::cairn::testing::block(1, 1, 3);
+  std::erase_if(open.triangles, [&](const auto& t) {
+    return std::all_of(t.begin(), t.end(), [&](auto i) { return open.vertices[i].z() <= open.bounds().min.z(); });
+  });
+  ASSERT_EQ(open.triangles.size(), 10U);
+  ::cairn::io::write_ply(folder_ / "open.ply", open);
+  const auto result = cairn({"fragility", (folder_ / "open.ply").string(), "-o", out_, "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto rock = ::cairn::io::parse_json(result.out, "stdout").at("rocks").as_array().at(0);
+  std::vector<std::string> notes;
+  for (const auto& note : rock.at("notes").as_array()) notes.push_back(note.as_string());
+  EXPECT_THAT(notes, ::testing::Contains("base_closed"));
+  EXPECT_NEAR(rock.at("volume_m3").as_real(), 3.0, 1e-12);
+  EXPECT_EQ(rock.at("grade").as_string(), "screening");
+}
+
 TEST_F(FragilityCommand, BadInput) {
   const auto run = [&](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), "fragility");
@@ -212,7 +229,9 @@ TEST_F(FragilityCommand, BadInput) {
     return result;
   };
   auto open = ::cairn::testing::block(1, 1, 3);
-  open.triangles.pop_back();
+  std::erase_if(open.triangles, [&](const auto& t) {  // the southern flank
+    return std::all_of(t.begin(), t.end(), [&](auto i) { return open.vertices[i].y() <= open.bounds().min.y(); });
+  });
   ::cairn::io::write_ply(folder_ / "open.ply", open);
   const auto refused = run({(folder_ / "open.ply").string()});
   EXPECT_EQ(refused.exit_code, 4);

@@ -57,7 +57,7 @@ class RunCommand : public ::testing::Test {
 TEST_F(RunCommand, MistakesInTheRecipeAreNamed) {
   const std::pair<const char*, const char*> cases[] = {
       {R"([{"stage": "lokate"}])", "unknown stage"},
-      {R"([{"stage": "segment"}])", "needs 'locate' before it"},
+      {R"([{"stage": "surface"}])", "needs 'segment' before it"},
       {R"([{"stge": "locate"}])", "unknown member"},
       {R"([])", "no stages"},
       {R"([{"stage": "locate"}, {"stage": "locate"}])", "stands twice"},
