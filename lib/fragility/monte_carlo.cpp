@@ -293,7 +293,7 @@ void MonteCarloOptions::visit(base::OptionVisitor& visitor) {
 
 std::vector<double> contact_sigmas(const MonteCarloInput& input, const MonteCarloOptions& options) {
   const double radius = perimeter(input.contact) / (2.0 * std::numbers::pi);
-  constexpr double kLeastShare = 0.01, kMostShare = 0.2;  // of the contact's mean radius
+  constexpr double kLeastShare = 0.01, kMostShare = 0.35;  // of the contact's mean radius
   const double seen = options.contact_sigma_m > 0.0
                           ? options.contact_sigma_m
                           : std::max({input.point_spacing_m, 2.0 * input.noise_m, kLeastShare * radius});
@@ -302,7 +302,7 @@ std::vector<double> contact_sigmas(const MonteCarloInput& input, const MonteCarl
   for (std::size_t i = 0; i < input.contact.size(); ++i) {
     const auto& v = input.contact[i];
     const double extra = std::min(options.inferred_sigma_share * away[i], kMostShare * radius);
-    sigmas.push_back(v.sigma_m > 0.0 ? v.sigma_m : std::hypot(seen, extra));
+    sigmas.push_back(std::hypot(v.sigma_m > 0.0 ? v.sigma_m : seen, extra));
   }
   return sigmas;
 }

@@ -24,8 +24,8 @@ struct MonteCarloOptions {
   double contact_correlation_m = 0.15;  // along the line: an error reaches this far
   double contact_common_share = 0.5;    // of its variance: the same all round a pad
   double contact_vertical_share = 0.5;  // vertical error of the line / error across it in plan
-  double inferred_sigma_share = 0.2;    // added where the line was not seen: this share of the distance to where it was
-  double bearing_inset_max = 0.3;  // hidden bearing: drawn in from the rim by 0 .. this share of the radius, uniform
+  double inferred_sigma_share = 0.5;    // added where the line was not seen: this share of the distance to where it was
+  double bearing_inset_max = 0.5;  // hidden bearing: drawn in from the rim by 0 .. this share of the radius, uniform
   double cap_sigma_m = 0.0;        // height of the base's middle; 0 = what the surface stage stated, else by the next
   double cap_sigma_share = 0.05;   // of the contact's mean radius
   double surface_sigma_m = 0.0;    // error of the surface over a patch; 0 = half the points' noise, if known

@@ -180,7 +180,12 @@ std::vector<segmentation::RockTarget> rock_targets(const std::vector<survey::Tar
   for (const auto& t : targets) {
     if (t.state == survey::TargetState::deregistered) continue;
     if (std::find(classes.begin(), classes.end(), t.object_class) == classes.end()) continue;
-    rocks.push_back({t.id, t.object_class, t.centre.head<2>(), t.bcylinder ? t.bcylinder->radius : 0.0});
+    segmentation::RockTarget rock{t.id, t.object_class, t.centre.head<2>()};
+    // The fitted body's cylinder is the closer one.
+    const auto cylinder = t.refined ? std::optional(t.refined->cylinder) : t.bcylinder;
+    if (t.bcylinder) rock.radius = t.bcylinder->radius;
+    if (cylinder) rock.low = cylinder->bottom, rock.high = cylinder->top;
+    rocks.push_back(std::move(rock));
   }
   return rocks;
 }

@@ -27,7 +27,7 @@ constexpr double kSmoothing = 5.0;     // standard deviation along the rim
 constexpr double kSeen = 4.0;          // points of both surfaces this near to the line: it was seen
 constexpr double kMovement = 6.0;      // most that a fit may move the line
 constexpr std::array<double, 4> kSeedCells = {4.0, 8.0, 14.0, 24.0};
-constexpr double kOpenNoises = 2.0;  // opening of a wedge, over the noise, at which it shows as open
+constexpr double kOpenNoises = 2.5;  // opening of a wedge, over the noise, at which it shows as open
 constexpr int kRounds = 6;
 constexpr int kPasses = 2;
 
@@ -79,6 +79,9 @@ std::vector<Seed> meeting_places(std::span<const Vec3> points, std::span<const S
   }
   return seeds;
 }
+
+// What the profiles do not say of one another: the two surfaces are not straight, their noise is not independent.
+constexpr double kModelError = 0.7;  // spacings
 
 // A weighted line in the plane of a profile.
 struct Line {
@@ -390,7 +393,7 @@ ContactLine fit_contact(std::span<const Vec3> points, std::span<const Side> side
     ContactProfile p;
     p.position = rim.at(k);
     p.outward = rim.outward(k);
-    p.sigma = rim.sigma[k];
+    p.sigma = std::hypot(rim.sigma[k], kModelError * spacing);
     std::size_t nearest = n;  // a profile that could not be fitted takes its neighbour's surfaces
     for (std::size_t o = 0; o <= n / 2 && nearest == n; ++o)
       for (const std::size_t j : {(k + o) % n, (k + n - o) % n})

@@ -23,7 +23,8 @@ struct RockTarget {
   survey::TargetId id;
   std::string object_class;
   geometry::Vec2 centre = geometry::Vec2::Zero();
-  double radius = 0.0;  // of the bounding cylinder, m; 0 = not known, default-radius-m is taken
+  double radius = 0.0;           // of the bounding cylinder, m; 0 = not known, default-radius-m is taken
+  double low = 0.0, high = 0.0;  // its ends, m up; low >= high: not known
 };
 
 struct RockCutOptions {

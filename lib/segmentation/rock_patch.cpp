@@ -17,11 +17,13 @@ namespace {
 using geometry::Vec2;
 using geometry::Vec3;
 
-constexpr float kKnown = 1e4F;            // cost of parting a node from what it is known to be
-constexpr double kRing = 0.4;             // m of surroundings beyond the margin
-constexpr double kBandStep = 0.1;         // of the height: bounds slide by this
-constexpr double kBandWidth = 0.35;       // of the height: between what is rock and what is not
-constexpr double kFootDiscount = 0.6;     // worth of a crease on the ground against one above it
+constexpr float kKnown = 1e4F;         // cost of parting a node from what it is known to be
+constexpr double kRing = 0.4;          // m of surroundings beyond the margin
+constexpr double kBandStep = 0.1;      // of the height: bounds slide by this
+constexpr double kBandWidth = 0.35;    // of the height: between what is rock and what is not
+constexpr double kFootDiscount = 0.6;  // worth of a crease on the ground against one above it
+// Where the foot lies over a located cylinder's height: between these, or off by a spread.
+constexpr double kLowFoot = -0.1, kHighFoot = 0.27, kFootSpread = 0.07;
 constexpr double kNearlyAsGood = 0.75;    // of the bend of the best crease
 constexpr float kLeastCapacity = 0.003F;  // of the cost of a cut on the flat
 constexpr double kBasalSpacings = 1.5;    // points this near to the line are basal contact
@@ -265,6 +267,16 @@ class Patch {
     return cut;
   }
 
+  // How well a crease's height fits the lower end of the cylinder, 0..1; located cylinders reach a little below their
+  // rock.
+  [[nodiscard]] double likely(const Cut& cut) const {
+    const double tall = in_.high - in_.low;
+    if (!(tall > 0.0)) return 1.0;
+    const double above = (result_.ground.up(cut.middle) + cut.height - in_.low) / tall;
+    const double off = std::max({0.0, above - kHighFoot, kLowFoot - above});
+    return std::exp(-off * off / (2.0 * kFootSpread * kFootSpread));
+  }
+
   Cut best_cut(const Vec2& axis, double from = 0.1, double to = 0.9) {
     measure_concavity(graph_, axis, reach_);
     edges_ = weigh_pairs(graph_);
@@ -287,14 +299,14 @@ class Patch {
     }
     if (cuts.empty()) return {};
     const auto best = std::max_element(cuts.begin(), cuts.end(), [&](const Cut& a, const Cut& b) {
-      return a.worth(foot_height_) < b.worth(foot_height_);
+      return a.worth(foot_height_) * likely(a) < b.worth(foot_height_) * likely(b);
     });
     if (best->height < foot_height_) return std::move(*best);
     // A rock may have a waist of its own: of creases that are nearly as good the lowest one closes around its foot.
     auto lowest = best;
     for (auto cut = cuts.begin(); cut != cuts.end(); ++cut)
       if (cut->height >= foot_height_ && cut->height < lowest->height &&
-          cut->concavity >= kNearlyAsGood * best->concavity)
+          cut->concavity * likely(*cut) >= kNearlyAsGood * best->concavity * likely(*best))
         lowest = cut;
     return std::move(*lowest);
   }

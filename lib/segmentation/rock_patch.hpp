@@ -45,7 +45,9 @@ struct PatchInput {
   std::span<const geometry::Vec3> points;          // m, z up; those that are not finite are left out
   geometry::Vec2 centre = geometry::Vec2::Zero();  // of an upright cylinder that holds the rock
   double radius = 0.0;                             // of it, m, > 0
-  std::vector<RockPick> picks;                     // obeyed
+  // Where the cylinder ends, m up; low >= high: not known. The foot is sought near its lower end.
+  double low = 0.0, high = 0.0;
+  std::vector<RockPick> picks;  // obeyed
   std::vector<OtherRock> others;
   survey::Contact contact;  // digitised: taken as it stands; empty = to be found
 };

@@ -81,6 +81,7 @@ RockCuts segment_rocks(const geometry::PointCloud& cloud, const std::vector<Rock
       in.points = points;
       in.centre = target.centre;
       in.radius = radius;
+      in.low = target.low, in.high = target.high;
       for (const auto& pick : guidance.picks)
         if ((pick.position.head<2>() - target.centre).norm() <= radius + margin) in.picks.push_back(pick);
       if (const auto found = guidance.contacts.find(target.id.value); found != guidance.contacts.end())

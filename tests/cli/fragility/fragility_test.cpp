@@ -124,7 +124,7 @@ TEST_F(FragilityCommand, DrawsAndIntervals) {
     }
   }
   const auto& interval = rock.at("alpha_interval_deg").as_array();
-  EXPECT_NEAR(std::tan(interval.at(0).as_real() * std::numbers::pi / 180), 0.7 / 3.0, 1e-9);  // inset 0.3
+  EXPECT_NEAR(std::tan(interval.at(0).as_real() * std::numbers::pi / 180), 0.5 / 3.0, 1e-9);  // inset 0.5
   EXPECT_NEAR(interval.at(1).as_real(), rock.at("alpha_min_deg").as_real(), 1e-12);
   double rose = 0.0;
   for (const auto& share : rock.at("uncertainty").at("rose").as_array()) rose += share.as_real();
