@@ -59,7 +59,10 @@ survey::Quantiles quantiles(std::vector<double> values) {
     const double position = share * static_cast<double>(values.size() - 1);
     const auto below = static_cast<std::size_t>(position);
     const std::size_t above = std::min(below + 1, values.size() - 1);
-    return values[below] + (position - static_cast<double>(below)) * (values[above] - values[below]);
+    const double rest = position - static_cast<double>(below);
+    // Infinite where no push topples: neither a difference nor no share of it may be taken.
+    if (rest == 0.0 || values[below] == values[above]) return values[below];
+    return values[below] + rest * (values[above] - values[below]);
   };
   return {at(0.05), at(0.16), at(0.50), at(0.84), at(0.95)};
 }

@@ -181,8 +181,13 @@ class Model {
       const double seen = surface_sigma_ * (common + local * random.normal());
       moments.add(with_surface * (seen + unseen_sigma_[k] * random.normal()), patches_[k]);
     }
-    if (!(moments.volume > 0.05 * moments_.volume)) moments = moments_;
-    return mass_of(moments, in_.mass.centre_of_mass, in_.mass.area);
+    // To first order only: a base that moves by much of the rock's height may leave moments that no body has.
+    if (moments.volume > 0.05 * moments_.volume) {
+      const auto mass = mass_of(moments, in_.mass.centre_of_mass, in_.mass.area);
+      const auto principal = Eigen::SelfAdjointEigenSolver<Mat3>(mass.inertia_per_density).eigenvalues();
+      if (principal[0] > 0.0 && principal[0] + principal[1] >= principal[2]) return mass;
+    }
+    return mass_of(moments_, in_.mass.centre_of_mass, in_.mass.area);
   }
 
   void tip(TippingDraw& out, const std::vector<ContactVertex>& contact, std::vector<double>* azimuths) const {
