@@ -7,23 +7,13 @@
 #include "base/angle.hpp"
 #include "base/error.hpp"
 #include "base/number_text.hpp"
+#include "fragility/svg_text.hpp"
 
 namespace cairn::fragility {
 namespace {
 
 constexpr double kCentre = 240.0, kRadius = 160.0;  // px of the view box
 using Table = std::vector<double>;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else out += c;
-  }
-  return out;
-}
 
 std::string at(double azimuth_deg, double radius) {
   const double a = base::deg_to_rad(azimuth_deg);

@@ -4,23 +4,13 @@
 #include <cmath>
 
 #include "base/number_text.hpp"
+#include "fragility/svg_text.hpp"
 
 namespace cairn::fragility {
 namespace {
 
 // px of the view box.
 constexpr double kWidth = 640.0, kHeight = 460.0, kLeft = 70.0, kRight = 610.0, kTop = 62.0, kBottom = 400.0;
-
-std::string escaped(std::string_view text) {
-  std::string out;
-  for (const char c : text) {
-    if (c == '<') out += "&lt;";
-    else if (c == '>') out += "&gt;";
-    else if (c == '&') out += "&amp;";
-    else out += c;
-  }
-  return out;
-}
 
 std::string px(double v) {
   return base::to_fixed(v, 2);
