@@ -1,6 +1,7 @@
 // What a ground vehicle must not drive into.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -25,6 +26,15 @@ struct Obstacle {
   double height_m = 0.0;
   double score = 0.0;
   std::size_t observations = 0;
+  std::size_t misses = 0;          // images that showed its place and not it, since it was last seen
+  std::int64_t first_seen_ns = 0;  // capture times on the survey's time base; 0 = not known
+  std::int64_t last_seen_ns = 0;
+  double sigma_width_m = 0.0;   // 0 = not known
+  double sigma_height_m = 0.0;  // 0 = not known
+  // Set where the object moves: east and north, m/s, with its covariance, m^2/s^2. `position` then holds at
+  // last_seen_ns.
+  std::optional<geometry::Vec2> velocity;
+  geometry::Mat2 velocity_covariance = geometry::Mat2::Zero();
 };
 
 }  // namespace cairn::survey
