@@ -82,9 +82,11 @@ Ring convex_footprint(const survey::Camera& camera, const geometry::RigidTransfo
     if (normal.dot(axis) < 0.0) normal = -normal;
     ring = clipped(ring, normal, normal.dot(pose.translation), up);
   }
-  // The cone has a mirror image behind the camera; the four planes exclude it, as their normals look forward.
-  ring = without_repeats(ring);
-  return ring.size() < 3 ? Ring{} : counter_clockwise(std::move(ring));
+  // The cone's mirror image behind the camera is cut off as well, as all four normals look forward. Rounding of
+  // vertices that nearly coincide could make the ring not convex: the hull is.
+  ring = geometry::convex_hull(std::move(ring));
+  constexpr double kLeastArea = 1e-3;  // m^2; slivers show nothing
+  return ring.size() < 3 || geometry::signed_area(ring) < kLeastArea ? Ring{} : ring;
 }
 
 }  // namespace

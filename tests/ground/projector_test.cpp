@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.hpp"
 #include "base/random.hpp"
 #include "ground/body_outline.hpp"
 #include "support/ground_views.hpp"
