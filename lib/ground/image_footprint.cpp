@@ -22,9 +22,16 @@ double cross(const Vec2& a, const Vec2& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
+// Side of p on the line a b: 0 within rounding, so that pieces of one straight side do not seem to cross.
+double side_of(const Vec2& a, const Vec2& b, const Vec2& p) {
+  const double value = cross(b - a, p - a);
+  constexpr double kRounding = 1e-10;
+  return std::abs(value) <= kRounding * (b - a).norm() * (p - a).norm() ? 0.0 : value;
+}
+
 bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  const double c1 = cross(b - a, c - a), d1 = cross(b - a, d - a), a1 = cross(d - c, a - c), b1 = cross(d - c, b - c);
-  if (((c1 > 0.0) != (d1 > 0.0)) && ((a1 > 0.0) != (b1 > 0.0))) return true;
+  const double c1 = side_of(a, b, c), d1 = side_of(a, b, d), a1 = side_of(c, d, a), b1 = side_of(c, d, b);
+  if (c1 * d1 < 0.0 && a1 * b1 < 0.0) return true;
   const auto on = [](const Vec2& p, const Vec2& q, const Vec2& x, double side) {
     return side == 0.0 && x.x() >= std::min(p.x(), q.x()) && x.x() <= std::max(p.x(), q.x()) &&
            x.y() >= std::min(p.y(), q.y()) && x.y() <= std::max(p.y(), q.y());
