@@ -55,7 +55,8 @@ std::optional<Look> look_of(const geometry::Vec3& position, const Mat2& covarian
 }  // namespace
 
 void ObstacleMapOptions::visit(base::OptionVisitor& v) {
-  v.choice("memory", memory, {"paper", "robust"}, "paper: the union of all objects; robust: association over time");
+  v.choice("memory", memory, {"as_mode", "paper", "robust"},
+           "paper: the union of all objects; robust: association over time");
   v.real("gate-sigma", gate_sigma, 0.1, 100.0, "largest Mahalanobis distance of an object and an obstacle");
   v.real("max-gate-m", max_gate_m, 0.01, 1e3, "largest distance of an object and an obstacle");
   v.real("systematic-m", systematic_m, 0.0, 100.0, "1 sigma of what all looks have in common");

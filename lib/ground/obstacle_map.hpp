@@ -16,8 +16,9 @@ namespace cairn::ground {
 
 // Paper B gives no rule for association, decay or clearing (B13); all values are ours.
 struct ObstacleMapOptions {
-  std::string memory = "robust";  // paper: the union of all objects ever sent; robust: association over time
-  ClassTable classes;             // kinds of the classes; visited apart
+  std::string memory = "as_mode";  // paper: the union of all objects ever sent; robust: association over time;
+                                   //   as_mode: robust here, of a command the one of its --mode
+  ClassTable classes;              // kinds of the classes; visited apart
   // Association.
   double gate_sigma = 3.5;       // Mahalanobis distance of a pair (99.8 % in two dimensions)
   double max_gate_m = 3.0;       // and never farther than this (paper B's error bound for raised objects)
