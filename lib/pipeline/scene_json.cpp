@@ -11,6 +11,7 @@
 #include "io/json.hpp"
 #include "io/mesh.hpp"
 #include "pipeline/json_fields.hpp"
+#include "pipeline/scene_drive.hpp"
 #include "pipeline/scene_terrain.hpp"
 
 namespace cairn::pipeline {
@@ -96,6 +97,7 @@ class SceneReader {
       scene_.confusions.push_back(confusion);
     });
     f.object("products", [&](JsonFields& p) { products(p); });
+    f.object("drive", [&](JsonFields& d) { scene_.drive = read_scene_drive(d); });
     f.finish();
     return std::move(scene_);
   }

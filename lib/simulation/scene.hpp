@@ -12,6 +12,7 @@
 #include "geometry/primitives.hpp"
 #include "geometry/triangle_mesh.hpp"
 #include "geometry/vec.hpp"
+#include "simulation/drive_spec.hpp"
 #include "simulation/render.hpp"
 #include "simulation/sampled_cloud.hpp"
 #include "simulation/shape.hpp"
@@ -188,6 +189,7 @@ struct Scene {
   Detector detector;
   std::vector<Confusion> confusions;
   Products products;
+  std::optional<DriveSpec> drive;  // a ground vehicle; drawn only by a drive (drive_rehearsal.hpp)
 };
 
 // Paper A's camera (R200 as in its simulator): 640x480, hfov 80 deg, fx = fy = 381.36 px.
