@@ -369,6 +369,7 @@ class SceneReader {
     f.real("min_visible_share", d.min_visible_share);
     f.real("min_inside_share", d.min_inside_share);
     f.real("min_size_px", d.min_size_px);
+    f.texts("blind_to", d.blind_to);
     f.real("false_per_image", d.false_per_image);
     pair(f, "false_size_px", d.false_size_lo_px, d.false_size_hi_px);
     f.object("score", [&](JsonFields& s) {

@@ -23,6 +23,7 @@ class DriveRehearsal {
   [[nodiscard]] const Rehearsal& flown() const { return flown_; }
   [[nodiscard]] const DriveSpec& drive() const { return *flown_.scene().drive; }
   [[nodiscard]] const VehicleContact& contact() const { return contact_; }
+  [[nodiscard]] double mean_up() const { return mean_up_; }  // of the ground inside drive().area, local up, m
 
   // True state at a place: height and slope of the ground under it give z, roll and pitch.
   struct Pose {
