@@ -103,6 +103,15 @@ Sweep sweep(const Field& field, std::int64_t from, std::vector<std::uint32_t>& m
 
 }  // namespace
 
+bool drivable(std::uint8_t cost, const RouteOptions& options) {
+  return cost < kInscribed || (cost == kUnknown && options.allow_unknown);
+}
+
+double step_factor(std::uint8_t cost, const RouteOptions& options) {
+  if (cost == kUnknown && options.allow_unknown) return 1.0;
+  return 1.0 + options.cost_weight * std::min<double>(cost, kSteepestFree) / kSteepestFree;
+}
+
 Route find_route(const Grid<std::uint8_t>& cost, const Cell& start, const Cell& goal, const RouteOptions& options,
                  base::RunContext& ctx) {
   RouteOptions checked = options;

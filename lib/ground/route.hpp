@@ -25,6 +25,11 @@ struct RouteOptions {
   }
 };
 
+// Whether a cell of this cost can be driven on: below 253, or unknown where that is allowed.
+[[nodiscard]] bool drivable(std::uint8_t cost, const RouteOptions& options);
+// What a metre in a cell of this cost counts: 1 + weight * cost / 252; blocked cells count as cost 252.
+[[nodiscard]] double step_factor(std::uint8_t cost, const RouteOptions& options);
+
 using Cell = std::pair<std::size_t, std::size_t>;  // row, column
 
 struct Route {
