@@ -105,8 +105,19 @@ class GroundLoop {
     aircraft.projection.ground_up_m = rehearsal_.mean_up();
     return aircraft;
   }
-  [[nodiscard]] ground::LinkOptions link_options(std::uint64_t seed) const;
-  [[nodiscard]] simulation::InertialLogOptions inertial_options() const;
+  [[nodiscard]] ground::LinkOptions link_options(std::uint64_t seed) const {
+    ground::LinkOptions link;
+    link.profile = drive_.link;
+    link.seed = seed;
+    return link;
+  }
+  [[nodiscard]] simulation::InertialLogOptions inertial_options() const {
+    simulation::InertialLogOptions log;
+    log.velocity_noise_m_s = drive_.inertial.velocity_noise_m_s;
+    log.velocity_bias_m_s = drive_.inertial.velocity_bias_m_s;
+    log.heading_deg = drive_.inertial.heading_deg;
+    return log;
+  }
 
   // True once every `period` from 0 on.
   bool due(double& next_s, double period) const {
