@@ -18,6 +18,7 @@ namespace {
 using geometry::Vec2;
 
 constexpr double kAfterArrival_s = 0.5;  // recorded beyond the goal
+constexpr double kScansBefore_s = 1.0;   // the scanner runs from this long before the vehicle may go
 
 std::int64_t clock_ns(double run_s) {
   return static_cast<std::int64_t>(std::llround((simulation::kFirstFrame_s + run_s) * 1e9));
@@ -77,7 +78,7 @@ class GroundLoop {
         link_(link_options(seed)),
         mind_(drive_, options),
         vehicle_(drive_, options.slip_share, seed),
-        inertial_(inertial_options(), seed),
+        inertial_(inertial_errors(), base::Random(seed, "ground run inertial log", 0)),
         scan_random_(seed, "ground run scans", 0) {}
 
   GroundRecord run(base::RunContext& ctx) {
@@ -111,12 +112,12 @@ class GroundLoop {
     link.seed = seed;
     return link;
   }
-  [[nodiscard]] simulation::InertialLogOptions inertial_options() const {
-    simulation::InertialLogOptions log;
-    log.velocity_noise_m_s = drive_.inertial.velocity_noise_m_s;
-    log.velocity_bias_m_s = drive_.inertial.velocity_bias_m_s;
-    log.heading_deg = drive_.inertial.heading_deg;
-    return log;
+  [[nodiscard]] simulation::InertialErrors inertial_errors() const {
+    simulation::InertialErrors errors;
+    errors.velocity_noise_m_s = drive_.inertial.velocity_noise_m_s;
+    errors.bias_sigma_m_s = drive_.inertial.velocity_bias_m_s;
+    errors.heading_sigma_deg = drive_.inertial.heading_deg;
+    return errors;
   }
 
   // True once every `period` from 0 on.
@@ -152,14 +153,14 @@ class GroundLoop {
     state.velocity = vehicle_.velocity();
     state.yaw = vehicle_.pose().yaw;
     record_.truth.push_back(state);
-    record_.inertial.push_back(inertial_.next(state));
+    record_.inertial.push_back(inertial_.sample(state));
     mind_.inertial(record_.inertial.back());
     record_.filtered.push_back(mind_.state());
     if (now_s_ >= drive_.start_s) {
       pose_error_.add((record_.filtered.back().position - state.position).norm());
       inertial_error_.add((record_.inertial.back().position - state.position).norm());
     }
-    if (!due(next_scan_s_, 1.0 / drive_.scanner.rate_hz)) return;
+    if (!due(next_scan_s_, 1.0 / drive_.scanner.rate_hz) || now_s_ < drive_.start_s - kScansBefore_s) return;
     const auto standing = rehearsal_.standing(vehicle_.pose().position, vehicle_.pose().yaw);
     record_.scans.push_back(
         rehearsal_.scan(standing, vehicle_.velocity(), vehicle_.motion().turn_rad_s, state.time_ns, scan_random_));
