@@ -2,15 +2,13 @@
 #pragma once
 
 #include "base/options.hpp"
+#include "geometry/pose2.hpp"
 #include "geometry/vec.hpp"
 
 namespace cairn::ground {
 
-// Of the vehicle's centre. yaw: of the forward axis, counter-clockwise from east, rad, -pi..pi.
-struct PlanarPose {
-  geometry::Vec2 position = geometry::Vec2::Zero();  // local ENU east and north, m
-  double yaw = 0.0;
-};
+// Of the vehicle's centre, local ENU; yaw within -pi..pi.
+using PlanarPose = geometry::Pose2;
 
 // What the vehicle is told, or what it does, along and about its own axes.
 struct DriveVelocity {
