@@ -50,7 +50,7 @@ const Grid<float>& band(const io::Raster& raster, std::size_t i) {
 TEST_F(CoverageStage, WritesRasterGapsAndSummary) {
   const Outcome outcome = run();
   const io::Raster views = io::read_raster(folder_ / "out/views.tif");
-  ASSERT_EQ(views.bands.size(), 4U);
+  ASSERT_EQ(views.bands.size(), 8U);
   EXPECT_EQ(views.bands[0].name, "views");
   EXPECT_EQ(band(views, 0).geometry, (geometry::GridGeometry{0.0, 20.0, 0.5, 40, 40}));
   EXPECT_TRUE(std::isnan(band(views, 0).at(2, 2)));    // not observed
