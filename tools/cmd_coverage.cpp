@@ -14,7 +14,10 @@ namespace {
 
 class CoverageCommand final : public Command {
  public:
-  CoverageCommand() { options_.facets_csv = true; }
+  CoverageCommand() {
+    options_.facets_csv = options_.page = options_.layers = true;
+    options_.colour_mesh = "verdict";
+  }
 
   void declare(Arguments& arguments) override {
     arguments.option("surface", in_.surface, "surface: GeoTIFF of heights, mesh, cloud, or targets.json");
@@ -22,6 +25,8 @@ class CoverageCommand final : public Command {
     arguments.choice("format", in_.format, {"auto", "survey", "pinhole-table"}, "what --views is");
     arguments.option("targets", in_.targets, "targets.json: a pass or fail row for each");
     arguments.option("contacts", in_.contacts, "contact.csv of those targets: where they rest");
+    arguments.option("point", in_.points, "EAST,NORTH[,UP] in metres: which frames saw it; may be given many times");
+    arguments.option("viewshed", in_.viewsheds, "EAST,NORTH[,UP] in metres: what is seen from there; likewise");
     arguments.option("gate", gates_, "completeness=0.9: exit 9 where the audit falls below; may be given many times");
     arguments.output(out_, "Folder of the result");
     arguments.options(base::bind_options(options_));

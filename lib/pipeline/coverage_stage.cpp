@@ -13,6 +13,8 @@
 #include "io/survey_json.hpp"
 #include "pipeline/audited_surface.hpp"
 #include "pipeline/coverage_frames.hpp"
+#include "pipeline/coverage_products.hpp"
+#include "pipeline/coverage_queries.hpp"
 #include "pipeline/coverage_raster.hpp"
 #include "pipeline/coverage_summary.hpp"
 #include "pipeline/coverage_tables.hpp"
@@ -114,15 +116,26 @@ void write_facet_rows(const fs::path& path, const AuditedSurface& surface, const
   write_facets(path, metrics, audit.verdicts, passed_share(judged, surface.mesh.triangles.size()));
 }
 
+// Empty where the views have no frame on the Earth.
+std::optional<CoverageCells> cells_of(const AuditedSurface& surface, const visibility::Scene& scene,
+                                      const Judged& judged, double cell, bool has_frame) {
+  if (!has_frame) return std::nullopt;
+  if (surface.grid) return cells_of_raster(*surface.grid, judged.facet_cell, judged.metrics, judged.audit);
+  if (judged.cut.parent.empty()) return cells_of_mesh(surface.mesh, scene, judged.metrics, judged.audit, cell);
+  const visibility::Scene pieces(judged.cut.mesh);
+  return cells_of_mesh(judged.cut.mesh, pieces, judged.metrics, judged.audit, cell);
+}
+
 io::Json write_targets(const fs::path& out, const CoverageInputs& in, const CoverageViews& views,
                        const AuditedSurface& surface, const visibility::Scene& scene,
-                       const CoverageStageOptions& options, std::vector<base::Reject>& rejects, base::RunContext& ctx) {
+                       const CoverageStageOptions& options, std::vector<base::Reject>& rejects,
+                       std::vector<coverage::TargetAudit>& rows, base::RunContext& ctx) {
   CoverageTargets targets = read_coverage_targets(in.targets, in.contacts, views.origin);
   coverage::TargetOptions own = options.targets;
   // A boulder in a terrain model is about a cell wider than it is.
   if (surface.grid) own.clearance_m = std::max(own.clearance_m, 1.5 * surface.grid->cell);
   const bool is_surface = surface.targets_themselves;
-  const coverage::TargetsAudit audit =
+  coverage::TargetsAudit audit =
       coverage::audit_targets(is_surface ? geometry::TriangleMesh{} : surface.mesh, surface.observed, scene,
                               targets.bodies, views.set, options.visibility, options.gates, own, ctx);
   rejects.insert(rejects.end(), targets.rejects.begin(), targets.rejects.end());
@@ -139,9 +152,10 @@ io::Json write_targets(const fs::path& out, const CoverageInputs& in, const Cove
   file.set("targets", std::move(list));
   base::write_file(out / "targets_coverage.json", file.dump() + "\n");
   write_target_rows(out / "targets_coverage.csv", audit.targets);
-  return io::Json::object({{"audited", audit.targets.size()},
+  rows = std::move(audit.targets);
+  return io::Json::object({{"audited", rows.size()},
                            {"passed", passed},
-                           {"left_out", targets.rejects.size() + targets.bodies.size() - audit.targets.size()}});
+                           {"left_out", targets.rejects.size() + targets.bodies.size() - rows.size()}});
 }
 
 io::Json frame_summary(const std::vector<FrameFigures>& frames, double max_blur_px) {
@@ -168,6 +182,10 @@ void CoverageStageOptions::visit(base::OptionVisitor& v) {
   v.real("sample-edge-m", sample_edge_m, 0.0, 1e6, "facets with a longer edge are cut for the audit, m; 0 = never");
   v.flag("facets-csv", facets_csv, "write facets.csv, a row a facet");
   v.real("raster-cell-m", raster_cell_m, 0.01, 1000.0, "cell of views.tif where the surface is a mesh, m");
+  v.real("eye-height-m", eye_height_m, 0.0, 1e5, "height above the surface of a viewshed's eye given without one, m");
+  v.flag("page", page, "write audit.html");
+  v.flag("layers", layers, "write coverage.gpkg: frames, footprints, gaps");
+  v.choice("colour-mesh", colour_mesh, colour_metrics(), "metric that coverage.ply and coverage.glb are coloured by");
   v.real("max-blur-px", max_blur_px, 0.0, 1000.0, "frames that the flight blurs more are counted, px");
 }
 
@@ -213,8 +231,15 @@ Outcome coverage_stage(const CoverageInputs& in, const fs::path& out, const Cove
   const auto frames = frame_figures(views, in.views, scene, ctx);
   write_frame_rows(out / "frames_coverage.csv", frames);
   summary.set("blur", frame_summary(frames, options.max_blur_px));
+  std::vector<coverage::TargetAudit> targets;
   if (!in.targets.empty())
-    summary.set("targets", write_targets(out, in, views, surface, scene, checked, views.rejects, ctx));
+    summary.set("targets", write_targets(out, in, views, surface, scene, checked, views.rejects, targets, ctx));
+  if (!in.points.empty())
+    summary.set("points",
+                answer_points(out, parse_points(in.points, surface, scene, 0.0), scene, views, checked.visibility));
+  if (!in.viewsheds.empty())
+    summary.set("viewsheds", answer_viewsheds(out, parse_points(in.viewsheds, surface, scene, options.eye_height_m),
+                                              surface, scene, options.visibility.end_gap, ctx));
 
   io::Json file = io::Json::object({{"schema_version", 1}});
   if (views.origin) file.set("frame", io::to_json(*views.origin));
@@ -226,19 +251,16 @@ Outcome coverage_stage(const CoverageInputs& in, const fs::path& out, const Cove
            "away from silhouettes.");
   base::write_file(out / "coverage.json", file.dump() + "\n");
   if (options.facets_csv) write_facet_rows(out / "facets.csv", surface, scene, judged, views.set, checked, ctx);
+  const std::optional<CoverageCells> cells = cells_of(surface, scene, judged, options.raster_cell_m, frame.has_value());
   if (frame) {
     io::write_gaps(out / "gaps.json", {*views.origin, gaps});
-    if (surface.grid) {
-      cells_of_raster(*surface.grid, judged.facet_cell, judged.metrics, judged.audit)
-          .write(out / "views.tif", surface.crs);
-    } else if (judged.cut.parent.empty()) {
-      cells_of_mesh(mesh, scene, judged.metrics, judged.audit, options.raster_cell_m)
-          .write(out / "views.tif", frame->raster_crs_wkt());
-    } else {
-      cells_of_mesh(mesh, visibility::Scene(mesh), judged.metrics, judged.audit, options.raster_cell_m)
-          .write(out / "views.tif", frame->raster_crs_wkt());
-    }
+    cells->write(out / "views.tif", surface.grid ? surface.crs : frame->raster_crs_wkt());
+    if (options.layers) write_coverage_layers(out / "coverage.gpkg", views, surface.mesh, gaps);
   }
+  if (options.colour_mesh != "none") write_coloured_mesh(out, mesh, judged.metrics, judged.audit, options.colour_mesh);
+  if (options.page)
+    write_coverage_page(out / "audit.html", "Coverage audit of " + in.surface.filename().string(), summary,
+                        figures.histograms, gaps, frames, targets, cells, options.max_blur_px, surface.notes);
   return {std::move(summary), std::move(views.rejects)};
 }
 

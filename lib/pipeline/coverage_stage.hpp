@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "base/run_context.hpp"
 #include "coverage/audit.hpp"
@@ -22,6 +23,8 @@ struct CoverageInputs {
   std::string format = "auto";          // auto: a folder is a survey, a file is a camera table; survey; pinhole-table
   std::filesystem::path targets = {};   // targets.json; "" = none
   std::filesystem::path contacts = {};  // contact.csv of those targets; "" = not known
+  std::vector<std::string> points = {};     // queries: "EAST,NORTH[,UP]", see parse_points
+  std::vector<std::string> viewsheds = {};  // the same, the places of eyes
 };
 
 struct CoverageStageOptions {
@@ -30,10 +33,14 @@ struct CoverageStageOptions {
   coverage::GapOptions gaps;
   coverage::BootstrapOptions bootstrap;
   coverage::TargetOptions targets;
-  double sample_edge_m = 1.0;   // facets with a longer edge are cut for the audit; 0 = never
-  bool facets_csv = false;      // facets.csv: a row a facet
-  double raster_cell_m = 0.25;  // cell of views.tif where the surface is a mesh
-  double max_blur_px = 0.5;     // frames blurred more by the flight are counted
+  double sample_edge_m = 1.0;        // facets with a longer edge are cut for the audit; 0 = never
+  bool facets_csv = false;           // facets.csv: a row a facet
+  double raster_cell_m = 0.25;       // cell of views.tif where the surface is a mesh
+  double max_blur_px = 0.5;          // frames blurred more by the flight are counted
+  double eye_height_m = 1.6;         // above the surface, of a viewshed's eye without a height
+  bool page = false;                 // audit.html
+  bool layers = false;               // coverage.gpkg
+  std::string colour_mesh = "none";  // coverage.ply, coverage.glb in the colours of this metric
 
   void visit(base::OptionVisitor& v);
 };
@@ -48,7 +55,8 @@ struct CoverageStageOptions {
 //   gaps.json              connected patches that fail (survey::CoverageGap). Not without a frame.
 //   frames_coverage.csv    a row a frame: sampling distance, speed, exposure, blur
 //   targets_coverage.csv, targets_coverage.json   a row a target, where targets are given
-//   facets.csv             on request
+//   facets.csv, audit.html, coverage.gpkg (not without a frame), coverage.ply and coverage.glb   on request
+//   points.json, viewshed.csv, viewshed.tif        where asked, see coverage_queries.hpp
 // The summary is coverage.json without the histograms.
 // Cost: see coverage::coverage; memory about 300 bytes a facet.
 [[nodiscard]] Outcome coverage_stage(const CoverageInputs& in, const std::filesystem::path& out,
