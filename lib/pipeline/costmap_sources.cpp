@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/number_text.hpp"
+#include "ground/class_table.hpp"
 #include "ground/resampling.hpp"
 #include "io/obstacles_json.hpp"
 #include "io/raster_rows.hpp"
@@ -318,6 +319,8 @@ ObstacleLayer read_obstacle_layer(const fs::path& path, const MapPlane& plane) {
       const std::string text = io::to_text(*kind);
       for (const auto k : {survey::ObstacleKind::ignored, survey::ObstacleKind::vehicle})
         if (text == survey::name_of(k)) obstacle.kind = k;
+    } else if (const auto* name = value_of(*layer, feature, "class"); name != nullptr) {
+      obstacle.kind = ground::kind_of_class(io::to_text(*name), {}).value_or(survey::ObstacleKind::obstacle);
     }
     if (obstacle.kind != survey::ObstacleKind::obstacle) continue;
     obstacle.width_m = real_of(value_of(*layer, feature, "width_m")).value_or(0.0);

@@ -49,7 +49,8 @@ struct ObstacleLayer {
 // obstacles.json.
 [[nodiscard]] ObstacleLayer read_obstacle_records(const std::filesystem::path& path, MapPlane& plane);
 // A vector file: the layer `obstacles`, or the only one. Points are discs of the column width_m (0 where there is
-// none), polygons are filled. The column kind (obstacle, ignored, vehicle) counts where there is one.
+// none), polygons are filled. The column kind (obstacle, ignored, vehicle) counts where there is one, else the column
+// class by the table of classes.
 [[nodiscard]] ObstacleLayer read_obstacle_layer(const std::filesystem::path& path, const MapPlane& plane);
 
 }  // namespace cairn::pipeline
