@@ -1,6 +1,7 @@
 #include "ground/occupancy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -134,10 +135,20 @@ void combine(const OccupancyGrid& prior, const OccupancyGrid* obstacles, const O
       throw base::Error(base::ErrorCode::invalid_argument, "sources of occupancy on different grids");
   if (region.end_row() > out.geometry.rows || region.end_column() > out.geometry.columns)
     throw base::Error(base::ErrorCode::invalid_argument, "a region that reaches beyond the grid");
-  for (std::size_t r = region.row; r < region.end_row(); ++r)
-    for (std::size_t c = region.column; c < region.end_column(); ++c)
-      out.at(r, c) = combine(prior.at(r, c), obstacles != nullptr ? obstacles->at(r, c) : Occupancy::unknown,
-                             scans != nullptr ? scans->at(r, c) : Occupancy::unknown, options);
+  // The rule once for each of the 27 cases, not for each cell.
+  std::array<Occupancy, 27> rule{};
+  for (std::size_t i = 0; i < rule.size(); ++i)
+    rule[i] = combine(static_cast<Occupancy>(i / 9), static_cast<Occupancy>(i / 3 % 3), static_cast<Occupancy>(i % 3),
+                      options);
+  constexpr std::size_t kSilent = 2;
+  for (std::size_t r = region.row; r < region.end_row(); ++r) {
+    const std::size_t row = r * out.geometry.columns + region.column;
+    for (std::size_t i = row; i < row + region.columns; ++i) {
+      const std::size_t obstacle = obstacles != nullptr ? static_cast<std::size_t>(obstacles->values[i]) : kSilent;
+      const std::size_t scan = scans != nullptr ? static_cast<std::size_t>(scans->values[i]) : kSilent;
+      out.values[i] = rule[9 * static_cast<std::size_t>(prior.values[i]) + 3 * obstacle + scan];
+    }
+  }
 }
 
 }  // namespace cairn::ground

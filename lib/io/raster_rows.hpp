@@ -41,8 +41,8 @@ struct ByteBand {
   std::string name, unit, description;
 };
 
-// Tiled GeoTIFF of bytes, written from the north: blocks of 512, band after band in each row of blocks, DEFLATE with
-// predictor, BigTIFF from 4 GB on, no overviews. The same values give the same bytes, however many rows come at once.
+// Tiled GeoTIFF of bytes, written from the north: blocks of 512, band after band in each row of blocks, fast
+// DEFLATE, BigTIFF from 4 GB on, no overviews. The same values give the same bytes, however many rows come at once.
 class RasterWriter {
  public:
   // crs: as write_cog(). Throws invalid_argument for a size without cells, resource_exhausted where it cannot be made.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "base/error.hpp"
@@ -93,8 +95,18 @@ GridGeometry extent_of(const std::string& text, double cell) {
 }
 
 std::uint8_t as_100(Occupancy o) {
-  constexpr std::array<std::uint8_t, 3> kValues{0, 100, io::kOccupancyUnknown};
-  return kValues[static_cast<std::size_t>(o)];
+  const std::uint8_t known = o == Occupancy::occupied ? 100 : 0;
+  return o == Occupancy::unknown ? io::kOccupancyUnknown : known;
+}
+
+// Occupied and unknown cells of one row of the band `occupancy`.
+std::pair<std::uint64_t, std::uint64_t> count_row(std::span<const std::uint8_t> row) {
+  std::uint32_t occupied = 0, unknown = 0;
+  for (const std::uint8_t value : row) {
+    occupied += value == 100 ? 1U : 0U;
+    unknown += value == io::kOccupancyUnknown ? 1U : 0U;
+  }
+  return {occupied, unknown};
 }
 
 struct Sources {
@@ -284,13 +296,17 @@ Outcome costmap_stage(const CostmapInputs& in, const fs::path& out, const Costma
                    "the costmap");
   std::vector<std::vector<std::uint8_t>> values(bands, std::vector<std::uint8_t>(height * map.columns));
   std::vector<std::uint8_t> keepout(height * map.columns);
-  std::array<std::uint64_t, 256> cells{};
+  std::uint64_t occupied = 0, unknown = 0;
   for (std::size_t first = 0; first < map.rows; first += height) {
     ctx.check_stop();
     ctx.progress("rows", first, map.rows);
     const std::size_t rows = std::min(height, map.rows - first);
     composition.rows(first, rows, values, keepout);
-    for (std::size_t i = 0; i < rows * map.columns; ++i) ++cells[values[1][i]];
+    for (std::size_t r = 0; r < rows; ++r) {
+      const auto [row_occupied, row_unknown] = count_row(std::span(values[1]).subspan(r * map.columns, map.columns));
+      occupied += row_occupied;
+      unknown += row_unknown;
+    }
     products.rows(rows, values, keepout);
   }
   products.finish();
@@ -303,9 +319,9 @@ Outcome costmap_stage(const CostmapInputs& in, const fs::path& out, const Costma
                                       {"rows", map.rows},
                                       {"resolution_m", map.cell},
                                       {"radius_m", options.cost.radius_m},
-                                      {"free_m2", static_cast<double>(cells[0]) * area},
-                                      {"occupied_m2", static_cast<double>(cells[100]) * area},
-                                      {"unknown_m2", static_cast<double>(cells[io::kOccupancyUnknown]) * area},
+                                      {"free_m2", static_cast<double>(map.cells() - occupied - unknown) * area},
+                                      {"occupied_m2", static_cast<double>(occupied) * area},
+                                      {"unknown_m2", static_cast<double>(unknown) * area},
                                       {"raster", products.streams() ? "tiled" : "cog"},
                                       {"ros_map", products.has_maps()},
                                       {"georeferenced", plane.known()}});

@@ -45,7 +45,8 @@ void MapPlane::join_frame(const survey::Origin& origin, const std::filesystem::p
 }
 
 void MapPlane::join_crs(const std::string& crs, const std::filesystem::path& file) {
-  if (crs.empty()) return;
+  // An engineering CRS is somebody's plane, but not a place: raster_crs() of a map that is nowhere comes back so.
+  if (crs.empty() || crs.rfind("ENGCRS", 0) == 0) return;
   if (crs_.empty()) {
     const auto info = geodesy::describe_crs(crs);
     if (info.geographic || std::abs(info.horizontal_unit_m - 1.0) > 1e-9)

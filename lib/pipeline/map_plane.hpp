@@ -17,7 +17,8 @@ class MapPlane {
   // Each names the plane, or proves that a file lies in it. The first one fixes it; a later one that differs by more
   // than a centimetre a kilometre throws crs_mismatch with `file`.
   void join_frame(const survey::Origin& origin, const std::filesystem::path& file);
-  // crs: WKT of a raster, "" = it does not say (nothing happens). Throws crs_mismatch where it is not in metres.
+  // crs: WKT of a raster, "" or an engineering CRS = it does not say where (nothing happens). Throws crs_mismatch where
+  // it is not in metres.
   void join_crs(const std::string& crs, const std::filesystem::path& file);
 
   [[nodiscard]] bool known() const { return !crs_.empty(); }

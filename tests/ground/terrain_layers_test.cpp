@@ -28,7 +28,8 @@ TEST(TerrainLayers, PlaneHasItsSlopeAndNoRoughness) {
     for (const std::size_t c : {0U, 20U, 39U}) {
       EXPECT_NEAR(layers.slope_deg.at(r, c), 10.0, 0.01);
       EXPECT_NEAR(layers.roughness_m.at(r, c), 0.0, kFloatM);
-      EXPECT_NEAR(layers.traversability.at(r, c), 1.0 - std::max(10.0 / 20.0, layers.step_m.at(r, c) / 0.15), 1e-3);
+      EXPECT_NEAR(layers.traversability.at(r, c),
+                  1.0 - std::max(10.0 / 20.0, static_cast<double>(layers.step_m.at(r, c)) / 0.15), 1e-3);
     }
   // To a diagonal neighbour: 0.25 m to the east and north each.
   EXPECT_NEAR(layers.step_m.at(20, 20), rise * 0.25 * 1.4, kFloatM);

@@ -42,8 +42,8 @@ TEST(RangeScans, ReadBackToTheSameBits) {
   EXPECT_EQ(read[0].range_max_m, 30.0);
   ASSERT_EQ(read[0].ranges.size(), scan.ranges.size());
   for (std::size_t i = 0; i < scan.ranges.size(); ++i) {
-    if (std::isnan(scan.ranges[i])) EXPECT_TRUE(std::isnan(read[0].ranges[i]));
-    else EXPECT_EQ(read[0].ranges[i], scan.ranges[i]) << i;
+    const bool both_none = std::isnan(scan.ranges[i]) && std::isnan(read[0].ranges[i]);
+    EXPECT_TRUE(both_none || read[0].ranges[i] == scan.ranges[i]) << i;
   }
   EXPECT_TRUE(read[1].ranges.empty());
 }

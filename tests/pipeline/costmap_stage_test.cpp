@@ -232,6 +232,9 @@ TEST_F(CostmapStage, TurnedPriorIsRefusedUnlessDeclared) {
   EXPECT_FALSE(fs::exists(out / "map.georeference.json"));
   // The map's lower left corner stands at (2, 3); half a metre along its turned diagonal lies inside.
   const double along = 1.0 + 0.25 * std::numbers::pi;
+  // Such a map is a prior map again.
+  in_.prior = out / "costmap.tif";
+  EXPECT_EQ(base::read_file(run("again") / "map.pgm"), base::read_file(out / "map.pgm"));
   EXPECT_NE(value(out, "prior", 2.0 + 0.7 * std::cos(along), 3.0 + 0.7 * std::sin(along)), kNotKnown);
   EXPECT_EQ(value(out, "prior", 2.02, 3.8), kNotKnown) << "outside the turned map";
 }

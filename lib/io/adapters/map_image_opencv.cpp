@@ -1,5 +1,6 @@
 #include <opencv2/imgcodecs.hpp>
 #include <string>
+#include <string_view>
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
@@ -36,6 +37,14 @@ void check_size(const std::filesystem::path& path, Bytes bytes, bool png) {
                " bytes");
 }
 
+// libpng prints what it thinks of a file that ends early.
+void check_end(const std::filesystem::path& path, std::string_view text) {
+  if (text.size() < 12 || text.substr(text.size() - 12).find("IEND") == std::string_view::npos)
+    throw Error(ErrorCode::invalid_input, "an image that is cut off")
+        .file(path.string())
+        .hint("Copy the image again from its source");
+}
+
 cv::Mat decoded(const std::filesystem::path& path, Bytes bytes) {
   cv::Mat pixels;
   std::string reason;
@@ -61,6 +70,7 @@ MapImage read_map_image(const std::filesystem::path& path) {
   const bool png = text.rfind("\x89PNG\r\n\x1a\n", 0) == 0, bmp = text.rfind("BM", 0) == 0;
   if (!png && !bmp) return read_pgm(path.string(), text);
   check_size(path, file.bytes(), png);
+  if (png) check_end(path, text);
   const cv::Mat pixels = decoded(path, file.bytes());
   const int channels = pixels.channels();
   MapImage image;

