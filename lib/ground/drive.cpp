@@ -48,6 +48,10 @@ std::optional<Cell> drivable_near(const Grid<std::uint8_t>& cost, const Vec2& p,
 
 void DriverOptions::visit(base::OptionVisitor& v) {
   route.visit(v);
+  visit_driving(v);
+}
+
+void DriverOptions::visit_driving(base::OptionVisitor& v) {
   vehicle.visit(v);
   local.visit(v);
   v.flag("smooth", smooth, "straighten global paths before they are followed");
