@@ -54,7 +54,7 @@ void DriverOptions::visit(base::OptionVisitor& v) {
 void DriverOptions::visit_driving(base::OptionVisitor& v) {
   vehicle.visit(v);
   local.visit(v);
-  v.flag("smooth", smooth, "straighten global paths before they are followed");
+  v.flag("drive-smooth", smooth, "straighten global paths before they are followed");
   v.real("goal-tolerance-m", goal_tolerance_m, 0.01, 100.0, "the goal is reached within this distance");
   v.real("replan-period-s", replan_period_s, 0.0, 1e6, "a new path is looked for at least this often; 0 = when needed");
   v.real("replan-interval-s", replan_interval_s, 0.0, 1e6, "new paths are looked for no more often than this");
