@@ -87,10 +87,8 @@ Driver::Ahead Driver::ahead(const Grid<std::uint8_t>& cost) const {
   for (std::size_t i = at_; i < path_.size(); ++i) {
     const auto cell = cost.geometry.cell_at(path_[i]);
     const std::uint8_t value = cell ? cost.at(cell->first, cell->second) : kUnknown;
-    // The first steps may lead out of blocked ground.
-    if (!drivable(value, options_.route) && (i == at_ || (path_[i] - path_[at_]).norm() > options_.snap_m)) {
-      left.blocked = left.blocked || i != at_;
-    }
+    // All of the path was drivable when it was planned.
+    left.blocked = left.blocked || !drivable(value, options_.route);
     const double factor = step_factor(value, options_.route);
     if (i > at_) left.weighted_m += (path_[i] - path_[i - 1]).norm() * 0.5 * (before + factor);
     before = factor;
