@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "ground/costmap.hpp"
+#include "ground/path.hpp"
 
 namespace cairn::ground {
 namespace {
@@ -49,6 +50,7 @@ void DriverOptions::visit(base::OptionVisitor& v) {
   route.visit(v);
   vehicle.visit(v);
   local.visit(v);
+  v.flag("smooth", smooth, "straighten global paths before they are followed");
   v.real("goal-tolerance-m", goal_tolerance_m, 0.01, 100.0, "the goal is reached within this distance");
   v.real("replan-period-s", replan_period_s, 0.0, 1e6, "a new path is looked for at least this often; 0 = when needed");
   v.real("replan-interval-s", replan_interval_s, 0.0, 1e6, "new paths are looked for no more often than this");
@@ -124,25 +126,32 @@ void Driver::plan(std::int64_t now_ns, const PlanarPose& pose, const Grid<std::u
     path_.clear();
     return;
   }
-  const bool keeps = !path_.empty() && !left.blocked && (need == "cheaper" || need == "costlier");
-  if (keeps && route.weighted_length_m > left.weighted_m * (1.0 - options_.gain)) {
-    // The old path stays; its present cost is what the next rise is measured from.
-    if (need == "cheaper") return;
-  } else {
-    if (plans_ > 1) ++replans_;
-    tick.replanned = true;
-    tick.reason = need;
-    path_ = route.path;
-    at_ = 0;
+  std::vector<Vec2> path = route.path;
+  if (options_.smooth) path = with_points(smoothed(cost, path, options_.route), g.cell);
+  std::vector<double> to_go(path.size(), 0.0);
+  const auto factor = [&](const Vec2& p) {
+    const auto cell = g.cell_at(p);
+    return step_factor(cell ? cost.at(cell->first, cell->second) : kUnknown, options_.route);
+  };
+  for (std::size_t i = path.size(); i-- > 1;)
+    to_go[i - 1] = to_go[i] + (path[i] - path[i - 1]).norm() * 0.5 * (factor(path[i]) + factor(path[i - 1]));
+
+  const bool may_keep = !path_.empty() && !left.blocked && (need == "cheaper" || need == "costlier");
+  if (may_keep && to_go.front() > left.weighted_m * (1.0 - options_.gain)) {
+    // The old path stays. What is left of it costs more now than when it was planned: the next rise counts from here.
+    if (need == "costlier") {
+      const double scale = left.weighted_m / std::max(to_go_[at_], 1e-9);
+      for (double& weighted : to_go_) weighted *= scale;
+    }
+    return;
   }
-  to_go_.assign(path_.size(), 0.0);
-  for (std::size_t i = path_.size(); i-- > 1;) {
-    const auto factor = [&](const Vec2& p) {
-      const auto cell = g.cell_at(p);
-      return step_factor(cell ? cost.at(cell->first, cell->second) : kUnknown, options_.route);
-    };
-    to_go_[i - 1] = to_go_[i] + (path_[i] - path_[i - 1]).norm() * 0.5 * (factor(path_[i]) + factor(path_[i - 1]));
-  }
+  if (had_path_) ++replans_;
+  had_path_ = true;
+  tick.replanned = true;
+  tick.reason = need;
+  path_ = std::move(path);
+  to_go_ = std::move(to_go);
+  at_ = 0;
 }
 
 void Driver::follow(const PlanarPose& pose) {

@@ -21,6 +21,7 @@ struct DriverOptions {
   RouteOptions route;
   SkidSteerOptions vehicle;
   DwaOptions local;
+  bool smooth = true;              // global paths are straightened before they are followed (ground/path.hpp)
   double goal_tolerance_m = 0.3;   // the goal is reached within this distance
   double replan_period_s = 5.0;    // a new path is looked for at least this often; 0 = only when needed
   double replan_interval_s = 1.0;  // and never more often than this
@@ -91,7 +92,7 @@ class Driver {
   std::optional<std::int64_t> recovery_ns_;  // start of the recovery under way
   std::int64_t progress_ns_ = 0;
   std::optional<PlanarPose> progress_;  // pose at the last progress
-  bool arrived_ = false;
+  bool arrived_ = false, had_path_ = false;
   std::size_t replans_ = 0, plans_ = 0, recoveries_ = 0;
   std::uint64_t expansions_ = 0;
 };
