@@ -47,17 +47,36 @@ class Chooser {
     for (std::size_t i = 0; i < demands.size(); ++i) {
       states_[i].fine = demands[i].max_gsd_m <= 0.0;
       states_[i].wide = parallax_ <= 0.0;
-      total_ += worth(i);
+      if (demands[i].group >= total_.size()) total_.resize(demands[i].group + 1, 0.0);
+      total_[demands[i].group] += demands[i].area_m2;
     }
+    passing_.assign(total_.size(), 0.0);
+    done_.assign(total_.size(), 0);
     for (std::size_t i = 0; i < demands.size(); ++i)
-      if (passes(states_[i])) passing_ += worth(i);
+      if (passes(states_[i])) passing_[demands[i].group] += demands[i].area_m2;
   }
 
-  [[nodiscard]] double share() const { return total_ > 0.0 ? passing_ / total_ : 1.0; }
+  // Share of each group's area that passes.
+  [[nodiscard]] std::vector<double> shares() const {
+    std::vector<double> result;
+    for (std::size_t g = 0; g < total_.size(); ++g) result.push_back(total_[g] > 0.0 ? passing_[g] / total_[g] : 1.0);
+    return result;
+  }
+  // Notes which groups have what they need; true where all have.
+  bool settle(const std::vector<double>& wanted) {
+    const auto now = shares();
+    bool all = true;
+    for (std::size_t g = 0; g < now.size(); ++g) {
+      done_[g] = now[g] >= wanted[g] ? 1 : 0;
+      all = all && done_[g] != 0;
+    }
+    return all;
+  }
 
   [[nodiscard]] double gain(const std::vector<Sight>& sights) const {
     double sum = 0.0;
     for (const Sight& s : sights) {
+      if (done_[demands_[s.demand].group] != 0) continue;
       const State& state = states_[s.demand];
       double parts = 0.0;
       if (state.views < least_views_) parts += 1.0 / least_views_;
@@ -87,7 +106,7 @@ class Chooser {
             state.wide = true;
         state.directions.push_back(d);
       }
-      if (!before && passes(state)) passing_ += worth(s.demand);
+      if (!before && passes(state)) passing_[demands_[s.demand].group] += demands_[s.demand].area_m2;
     }
   }
 
@@ -101,7 +120,8 @@ class Chooser {
   std::uint32_t least_views_, least_steep_;
   double parallax_;
   std::vector<State> states_;
-  double total_ = 0.0, passing_ = 0.0;
+  std::vector<double> total_, passing_;  // area by group, m^2
+  std::vector<std::uint8_t> done_;
 };
 
 }  // namespace
@@ -153,12 +173,22 @@ Selection select_views(std::span<const Demand> demands, const ViewGates& gates,
   Selection result;
   Chooser chooser(demands, gates);
   for (const auto& view : already) chooser.take(view);
-  result.share_before = chooser.share();
+  const auto least = [](const std::vector<double>& shares) {
+    return shares.empty() ? 1.0 : *std::min_element(shares.begin(), shares.end());
+  };
+  result.group_before = chooser.shares();
+  result.share_before = least(result.group_before);
   {
     Chooser with_all = chooser;
     for (const auto& view : candidates) with_all.take(view);
-    result.share_reachable = with_all.share();
+    result.group_reachable = with_all.shares();
+    result.share_reachable = least(result.group_reachable);
   }
+  // What is reachable is compared with sums taken in another order.
+  constexpr double kRounding = 1e-9;
+  std::vector<double> wanted;
+  for (const double share : result.group_reachable) wanted.push_back(std::min(options.target, share - kRounding));
+  bool settled = chooser.settle(wanted);
   constexpr double kNothing = 1e-12;
 
   struct Entry {
@@ -182,7 +212,7 @@ Selection select_views(std::span<const Demand> demands, const ViewGates& gates,
   if (options.lazy)
     for (std::size_t c = 0; c < candidates.size(); ++c) queue.push({gains[c], c, 0});
 
-  while (chooser.share() < options.target && result.chosen.size() < options.max_views) {
+  while (!settled && result.chosen.size() < options.max_views) {
     const std::size_t round = result.chosen.size();
     std::size_t best = candidates.size();
     if (!options.lazy) {
@@ -206,8 +236,10 @@ Selection select_views(std::span<const Demand> demands, const ViewGates& gates,
     used[best] = 1;
     chooser.take(candidates[best]);
     result.chosen.push_back(best);
-    result.share.push_back(chooser.share());
+    result.share.push_back(least(chooser.shares()));
+    settled = chooser.settle(wanted);
   }
+  result.group_after = chooser.shares();
   return result;
 }
 

@@ -19,6 +19,7 @@ struct Demand {
   double area_m2 = 0.0;
   double max_gsd_m = 0.0;  // of the best view; 0 = not asked for
   double weight = 1.0;     // of a square metre, >= 0
+  std::size_t group = 0;   // each group is to reach the target by itself
 };
 
 // The gates of a coverage audit.
@@ -46,20 +47,22 @@ struct Sight {
                                                      double frame_margin = 0.02, double end_gap = 1e-3);
 
 struct SelectionOptions {
-  double target = 0.95;          // share of the weighted area that is to pass
+  double target = 0.95;          // share of each group's area that is to pass, as far as the candidates allow
   std::size_t max_views = 1000;  // most that are chosen
   bool lazy = true;              // false: every candidate's gain is computed in every round
 };
 
 struct Selection {
-  std::vector<std::size_t> chosen;                   // candidates in the order of choice
-  std::vector<double> share;                         // of the weighted area that passes, after each
-  double share_before = 0.0, share_reachable = 0.0;  // with none, and with all candidates
-  std::size_t evaluations = 0;                       // gains computed
+  std::vector<std::size_t> chosen;  // candidates in the order of choice
+  std::vector<double> share;        // of the area of the group that has least of it passing, after each
+  double share_before = 0.0, share_reachable = 0.0;                // the same with none, and with all candidates
+  std::vector<double> group_before, group_reachable, group_after;  // of each group; 1 where it has no area
+  std::size_t evaluations = 0;                                     // gains computed
 };
 
-// Greedy choice of the candidate of greatest gain until the target is reached, nothing is gained, or max_views are
-// chosen. The gain is that of a monotone submodular function: per demand, weight x area x the mean of
+// Greedy choice of the candidate of greatest gain until every group has reached the target (or what all candidates
+// together can reach of it), nothing is gained, or max_views are chosen. Demands of a group that is done gain nothing
+// more. The gain is that of a monotone submodular function: per demand, weight x area x the mean of
 //   min(views, k) / k,  min(steep views, 2) / 2 (1 where k = 1),  fine view or not,  min(direction cells, 2) / 2
 // with k = min_views and direction cells of 30 deg of azimuth by 22.5 deg of elevation, as a stand-in for parallax
 // (which by itself is not submodular). So a gain computed earlier bounds the present one, and candidates are evaluated
