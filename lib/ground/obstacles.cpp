@@ -1,11 +1,9 @@
 #include "ground/obstacles.hpp"
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <set>
 
-#include "base/number_text.hpp"
 #include "camera/projection.hpp"
 
 namespace cairn::ground {
@@ -18,21 +16,6 @@ using survey::Target;
 using survey::TargetState;
 
 constexpr double kUnknownShape = 0.5;  // height / width where no ground says how high an object is (boulders, cars)
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
-
-bool listed(const std::string& name, const std::string& table) {
-  for (std::size_t begin = 0; begin <= table.size();) {
-    const std::size_t end = std::min(table.find(',', begin), table.size());
-    if (lower(std::string(base::trim(std::string_view(table).substr(begin, end - begin)))) == lower(name)) return true;
-    begin = end + 1;
-  }
-  return false;
-}
 
 int rank_of(TargetState state) {
   switch (state) {
@@ -113,20 +96,11 @@ std::string record_of(const Target& target) {
 }  // namespace
 
 void ObstacleOptions::visit(base::OptionVisitor& v) {
-  v.text("obstacle-classes", obstacle_classes, "classes a vehicle must avoid, comma-separated");
-  v.text("ignored-classes", ignored_classes, "classes a vehicle passes below");
-  v.text("vehicle-classes", vehicle_classes, "classes that are the vehicle itself");
+  classes.visit(v);
   v.choice("least-state", least_state, {"generated", "converging", "converged"},
            "targets of a lower state are left out");
   v.real("edge-margin-px", edge_margin_px, 0.0, 1e4, "boxes nearer to the image border are not measured");
   v.real("min-height-m", min_height_m, 0.0, 100.0, "least height of an object");
-}
-
-std::optional<ObstacleKind> kind_of_class(const std::string& object_class, const ObstacleOptions& options) {
-  if (listed(object_class, options.vehicle_classes)) return ObstacleKind::vehicle;
-  if (listed(object_class, options.ignored_classes)) return ObstacleKind::ignored;
-  if (listed(object_class, options.obstacle_classes)) return ObstacleKind::obstacle;
-  return std::nullopt;
 }
 
 ObstacleResult make_obstacles(std::span<const Target> targets, const survey::Survey& survey, const GroundHeight& ground,
@@ -154,7 +128,7 @@ ObstacleResult make_obstacles(std::span<const Target> targets, const survey::Sur
     survey::Obstacle o;
     o.target = target.id;
     o.object_class = target.object_class;
-    const auto kind = kind_of_class(target.object_class, options);
+    const auto kind = kind_of_class(target.object_class, options.classes);
     if (!kind && unknown.insert(target.object_class).second) {
       result.unknown_classes.push_back(target.object_class);
       ctx.warn("obstacles: class '" + target.object_class + "' is in no table; it is taken as an obstacle");

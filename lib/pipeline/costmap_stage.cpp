@@ -24,18 +24,17 @@ const Grid<float>& height_band(const io::Raster& raster, const std::filesystem::
 }
 
 // Occupancy at the costmap's resolution over the surface's extent: free where a height is known.
-Grid<std::uint8_t> known_ground(const Grid<float>& heights, double resolution) {
+ground::OccupancyGrid known_ground(const Grid<float>& heights, double resolution) {
   const geometry::GridGeometry& g = heights.geometry;
   const auto cells = [&](double extent) {
     return static_cast<std::size_t>(std::max(1.0, std::ceil(extent / resolution - 1e-6)));
   };
   const geometry::GridGeometry fine{g.west, g.north, resolution, cells(g.east() - g.west), cells(g.north - g.south())};
-  Grid<std::uint8_t> occupancy(fine, static_cast<std::uint8_t>(Occupancy::unknown));
+  ground::OccupancyGrid occupancy(fine, Occupancy::unknown);
   for (std::size_t r = 0; r < fine.rows; ++r)
     for (std::size_t c = 0; c < fine.columns; ++c) {
       const auto cell = g.cell_at(fine.centre(r, c));
-      if (cell && std::isfinite(heights.at(cell->first, cell->second)))
-        occupancy.at(r, c) = static_cast<std::uint8_t>(Occupancy::free);
+      if (cell && std::isfinite(heights.at(cell->first, cell->second))) occupancy.at(r, c) = Occupancy::free;
     }
   return occupancy;
 }
@@ -46,8 +45,8 @@ Outcome costmap_stage(const CostmapInputs& in, const std::filesystem::path& out,
                       base::RunContext& ctx) {
   const io::ObstaclesFile obstacles = io::read_obstacles(in.obstacles);
   const io::Raster surface = io::read_raster(in.surface);
-  Grid<std::uint8_t> occupancy = known_ground(height_band(surface, in.surface), options.resolution_m);
-  const auto outside = ground::mark_obstacles(obstacles.obstacles, occupancy);
+  ground::OccupancyGrid occupancy = known_ground(height_band(surface, in.surface), options.resolution_m);
+  const auto outside = ground::mark_obstacles(obstacles.obstacles, occupancy).outside;
   ctx.check_stop();
   const Grid<std::uint8_t> cost = ground::costmap(occupancy, options);
 
@@ -57,9 +56,10 @@ Outcome costmap_stage(const CostmapInputs& in, const std::filesystem::path& out,
                                "the obstacle does not touch the mapped area"});
 
   std::size_t free = 0, occupied = 0, unknown = 0;
-  io::RosMap map{occupancy, io::MapMode::trinary};
-  for (auto& value : map.occupancy.values) {
-    switch (static_cast<Occupancy>(value)) {
+  io::RosMap map{Grid<std::uint8_t>(occupancy.geometry, 0), io::MapMode::trinary};
+  for (std::size_t i = 0; i < occupancy.values.size(); ++i) {
+    std::uint8_t& value = map.occupancy.values[i];
+    switch (occupancy.values[i]) {
       case Occupancy::free:
         value = 0;
         ++free;

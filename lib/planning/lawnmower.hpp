@@ -40,8 +40,6 @@ struct LawnmowerOptions {
     v.flag("cross-hatch", cross_hatch, "fly a second set of lanes across the first");
     v.flag("follow-terrain", follow_terrain, "keep the height above the surface along the lanes");
     v.real("max-climb-deg", max_climb_deg, 1.0, 60.0, "steepest lane that follows the terrain");
-    v.real("clearance-m", clearance_m, 0.5, 200.0, "least height above the highest point near the path");
-    v.real("clearance-radius-m", clearance_radius_m, 0.0, 100.0, "what is near the path");
   }
 };
 

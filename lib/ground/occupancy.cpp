@@ -1,0 +1,173 @@
+#include "ground/occupancy.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace cairn::ground {
+namespace {
+
+using geometry::GridGeometry;
+using geometry::Vec2;
+
+// Index of the first cell at or after `position` cells, within 0..count.
+std::size_t clamped(double position, std::size_t count) {
+  return static_cast<std::size_t>(std::clamp(position, 0.0, static_cast<double>(count)));
+}
+
+CellRegion between(std::size_t row, std::size_t end_row, std::size_t column, std::size_t end_column) {
+  if (end_row <= row || end_column <= column) return {};
+  return {row, column, end_row - row, end_column - column};
+}
+
+// Occupied over unknown over free: what a coarse cell takes from several fine ones.
+int weight(Occupancy o) {
+  return o == Occupancy::occupied ? 2 : (o == Occupancy::unknown ? 1 : 0);
+}
+
+// Cells of one axis of `from` that the cell [begin, end) overlaps; `outside` where it reaches beyond.
+struct Overlap {
+  std::size_t begin = 0, end = 0;
+  bool outside = false;
+};
+
+Overlap overlap(double begin, double end, std::size_t count) {
+  constexpr double kThin = 1e-6;  // of a cell
+  const double first = std::floor(begin + kThin), last = std::ceil(end - kThin);
+  Overlap o{clamped(first, count), clamped(last, count), first < 0.0 || last > static_cast<double>(count)};
+  return o;
+}
+
+}  // namespace
+
+CellRegion whole(const GridGeometry& grid) {
+  return {0, 0, grid.rows, grid.columns};
+}
+
+CellRegion cells_of(const GridGeometry& grid, const Vec2& min, const Vec2& max) {
+  if (!(min.x() <= max.x() && min.y() <= max.y())) return {};
+  return between(clamped(std::floor((grid.north - max.y()) / grid.cell), grid.rows),
+                 clamped(std::floor((grid.north - min.y()) / grid.cell) + 1.0, grid.rows),
+                 clamped(std::floor((min.x() - grid.west) / grid.cell), grid.columns),
+                 clamped(std::floor((max.x() - grid.west) / grid.cell) + 1.0, grid.columns));
+}
+
+CellRegion widened(const CellRegion& region, std::size_t margin, const GridGeometry& grid) {
+  if (region.empty()) return {};
+  const auto less = [margin](std::size_t i) { return i > margin ? i - margin : 0; };
+  return between(less(region.row), std::min(region.end_row() + margin, grid.rows), less(region.column),
+                 std::min(region.end_column() + margin, grid.columns));
+}
+
+CellRegion joined(const CellRegion& a, const CellRegion& b) {
+  if (a.empty()) return b;
+  if (b.empty()) return a;
+  return between(std::min(a.row, b.row), std::max(a.end_row(), b.end_row()), std::min(a.column, b.column),
+                 std::max(a.end_column(), b.end_column()));
+}
+
+MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, OccupancyGrid& grid) {
+  MarkedObstacles result;
+  const GridGeometry& g = grid.geometry;
+  for (std::size_t i = 0; i < obstacles.size(); ++i) {
+    const survey::Obstacle& o = obstacles[i];
+    if (o.kind != survey::ObstacleKind::obstacle) continue;
+    const Vec2 at(o.position.x(), o.position.y());
+    if (!at.allFinite() || !std::isfinite(o.width_m)) {
+      result.not_finite.push_back(i);
+      continue;
+    }
+    const double radius = 0.5 * std::max(o.width_m, 0.0);
+    CellRegion marked;
+    const CellRegion near = cells_of(g, at - Vec2::Constant(radius), at + Vec2::Constant(radius));
+    for (std::size_t r = near.row; r < near.end_row(); ++r)
+      for (std::size_t c = near.column; c < near.end_column(); ++c) {
+        if ((g.centre(r, c) - at).squaredNorm() > radius * radius) continue;
+        grid.at(r, c) = Occupancy::occupied;
+        marked = joined(marked, {r, c, 1, 1});
+      }
+    if (const auto cell = g.cell_at(at)) {
+      grid.at(cell->first, cell->second) = Occupancy::occupied;
+      marked = joined(marked, {cell->first, cell->second, 1, 1});
+    }
+    if (marked.empty()) result.outside.push_back(i);
+    result.cells = joined(result.cells, marked);
+  }
+  return result;
+}
+
+bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, OccupancyGrid& grid) {
+  const GridGeometry& g = grid.geometry;
+  bool any = false;
+  std::vector<double> crossings;  // east of the rings' edges on the row's middle line
+  for (std::size_t r = 0; r < g.rows; ++r) {
+    const double north = g.centre(r, 0).y();
+    crossings.clear();
+    for (const auto& ring : rings)
+      for (std::size_t i = 0; i < ring.size(); ++i) {
+        const Vec2 &a = ring[i], &b = ring[(i + 1) % ring.size()];
+        // Half-open in north, so that a vertex on the line counts once.
+        if ((a.y() <= north) == (b.y() <= north)) continue;
+        crossings.push_back(a.x() + (north - a.y()) / (b.y() - a.y()) * (b.x() - a.x()));
+      }
+    std::sort(crossings.begin(), crossings.end());
+    for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
+      const std::size_t begin = clamped(std::ceil((crossings[i] - g.west) / g.cell - 0.5), g.columns);
+      const std::size_t end = clamped(std::ceil((crossings[i + 1] - g.west) / g.cell - 0.5), g.columns);
+      for (std::size_t c = begin; c < end; ++c) grid.at(r, c) = value;
+      any = any || begin < end;
+    }
+  }
+  return any;
+}
+
+Occupancy combine(Occupancy prior, Occupancy obstacle, Occupancy scan, const CombineOptions& options) {
+  if (scan == Occupancy::occupied) return Occupancy::occupied;
+  const bool seen_free = scan == Occupancy::free;
+  if (obstacle == Occupancy::occupied && !(seen_free && options.scans_clear_obstacles)) return Occupancy::occupied;
+  switch (prior) {
+    case Occupancy::occupied: return seen_free && options.scans_clear_prior ? Occupancy::free : Occupancy::occupied;
+    case Occupancy::free: return Occupancy::free;
+    case Occupancy::unknown: break;
+  }
+  return seen_free && options.scans_free_unknown ? Occupancy::free : Occupancy::unknown;
+}
+
+void combine(const OccupancyGrid& prior, const OccupancyGrid* obstacles, const OccupancyGrid* scans,
+             const CombineOptions& options, const CellRegion& region, OccupancyGrid& out) {
+  for (const OccupancyGrid* source : {&prior, obstacles, scans})
+    if (source != nullptr && !(source->geometry == out.geometry))
+      throw base::Error(base::ErrorCode::invalid_argument, "sources of occupancy on different grids");
+  if (region.end_row() > out.geometry.rows || region.end_column() > out.geometry.columns)
+    throw base::Error(base::ErrorCode::invalid_argument, "a region that reaches beyond the grid");
+  for (std::size_t r = region.row; r < region.end_row(); ++r)
+    for (std::size_t c = region.column; c < region.end_column(); ++c)
+      out.at(r, c) = combine(prior.at(r, c), obstacles != nullptr ? obstacles->at(r, c) : Occupancy::unknown,
+                             scans != nullptr ? scans->at(r, c) : Occupancy::unknown, options);
+}
+
+OccupancyGrid resampled(const OccupancyGrid& from, const GridGeometry& to) {
+  const GridGeometry& f = from.geometry;
+  std::vector<Overlap> columns(to.columns);
+  const double ratio = to.cell / f.cell;
+  for (std::size_t c = 0; c < to.columns; ++c) {
+    const double begin = (to.west - f.west) / f.cell + static_cast<double>(c) * ratio;
+    columns[c] = overlap(begin, begin + ratio, f.columns);
+  }
+  OccupancyGrid result(to, Occupancy::unknown);
+  for (std::size_t r = 0; r < to.rows; ++r) {
+    const double begin = (f.north - to.north) / f.cell + static_cast<double>(r) * ratio;
+    const Overlap rows = overlap(begin, begin + ratio, f.rows);
+    for (std::size_t c = 0; c < to.columns; ++c) {
+      Occupancy value = rows.outside || columns[c].outside ? Occupancy::unknown : Occupancy::free;
+      for (std::size_t i = rows.begin; i < rows.end; ++i)
+        for (std::size_t j = columns[c].begin; j < columns[c].end; ++j)
+          if (weight(from.at(i, j)) > weight(value)) value = from.at(i, j);
+      result.at(r, c) = value;
+    }
+  }
+  return result;
+}
+
+}  // namespace cairn::ground
