@@ -36,7 +36,8 @@ void connect_safely(std::vector<Waypoint>& waypoints, std::vector<std::size_t>& 
     const Waypoint& to = waypoints[i];
     if (i > 0 && waypoints[i - 1].stop && to.stop) {
       const Waypoint& from = waypoints[i - 1];
-      const bool leg = from.group != to.group || from.role != to.role || from.role == survey::WaypointRole::view;
+      // Along a lane the height was chosen already.
+      const bool leg = !(from.role == survey::WaypointRole::lane && from.trigger_m > 0.0);
       if (leg)
         for (const Vec3& p : planning::safe_leg(from.position, to.position, surface, clearance)) {
           Waypoint via;
