@@ -8,8 +8,6 @@
 #include "base/parallel.hpp"
 
 namespace cairn::coverage {
-namespace {
-
 Verdict judge(const FacetCoverage& m, std::size_t i, const GateOptions& gates) {
   const auto least = static_cast<std::uint32_t>(gates.min_views);
   if (m.views[i] < least) {
@@ -25,8 +23,6 @@ Verdict judge(const FacetCoverage& m, std::size_t i, const GateOptions& gates) {
     return Verdict::low_parallax;
   return Verdict::passed;
 }
-
-}  // namespace
 
 std::string_view name_of(Verdict verdict) {
   constexpr std::array<std::string_view, kVerdicts> kNames = {"passed",      "no_data",    "out_of_frame", "occluded",

@@ -45,6 +45,9 @@ struct GateOptions {
   }
 };
 
+// The verdict on one observed facet. metrics must hold values, not counts only.
+[[nodiscard]] Verdict judge(const FacetCoverage& metrics, std::size_t facet, const GateOptions& gates);
+
 struct Audit {
   std::vector<Verdict> verdicts;  // one a facet
   // Surface area [m^2] by verdict; degenerate facets count nowhere.

@@ -23,7 +23,10 @@ using geometry::Vec3;
 
 constexpr std::size_t kTilesAtOnce = 512;  // between two looks at the stop flag
 constexpr float kLargest = std::numeric_limits<float>::max();
-constexpr float kLeastCosine = 1e-7F;  // keeps the sampling distance of a grazing view finite
+constexpr float kLeastCosine = 1e-7F;      // keeps the sampling distance of a grazing view finite
+constexpr float kLeastDepth = 1e-12F;      // m; keeps what a fisheye sees beside itself finite
+constexpr float kLeastHorizontal = 1e-6F;  // of the vertical: below that a view has no azimuth
+constexpr unsigned kAzimuths = 0xFFFU;     // twelve bins
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 enum class Side { outside, inside, across };
@@ -43,8 +46,9 @@ Side side_of(const ViewFrustum& view, const FacetTile& tile) {
 class TileWork {
  public:
   TileWork(const TriangleMesh& mesh, const FacetTiles& tiles, const visibility::Scene& scene,
-           const std::vector<ViewFrustum>& views, const CoverageOptions& options, FacetCoverage& out)
-      : mesh_(mesh), tiles_(tiles), scene_(scene), views_(views), options_(options), out_(out) {}
+           const std::vector<ViewFrustum>& views, const std::vector<ViewNoise>& noise, const CoverageOptions& options,
+           FacetCoverage& out)
+      : mesh_(mesh), tiles_(tiles), scene_(scene), views_(views), noise_(noise), options_(options), out_(out) {}
 
   void run(const FacetTile& tile) {
     load(tile);
@@ -79,7 +83,9 @@ class TileWork {
       ny_[k] = n.y();
       nz_[k] = n.z();
       in_frame_[k] = facing_[k] = seen_[k] = 0;
+      azimuths_[k] = 0;
     }
+    for (auto& row : information_) row.fill(0.0);
   }
 
   void look(const ViewFrustum& view, Side side) {
@@ -160,12 +166,16 @@ class TileWork {
       lv_[i] = versine;
       lg_[i] = scale * std::sqrt(z * z * z * inverse / cosine);
     }
+    std::fill_n(lm_.begin(), n, 1.0F);
     if (!view.bounds->exact)
       for (std::size_t i = 0; i < n; ++i) {
         const std::uint16_t k = local_[i];
         const Vec3 p = view.R_camera_world * (Vec3(cx_[k], cy_[k], cz_[k]) - view.centre);
-        lg_[i] /= static_cast<float>(std::sqrt(view.bounds->magnification(p.x() / p.z(), p.y() / p.z())));
+        lm_[i] = static_cast<float>(view.bounds->magnification(p.x() / p.z(), p.y() / p.z()));
+        lg_[i] /= std::sqrt(lm_[i]);
       }
+    inform(view, n);
+    azimuth(n);
     for (std::size_t i = 0; i < n; ++i) {
       const std::size_t at = local_[i] * stride_ + seen_[local_[i]];
       x_[at] = lx_[i];
@@ -173,12 +183,72 @@ class TileWork {
       z_[at] = lz_[i];
       gsd_[at] = lg_[i];
       versine_[at] = lv_[i];
+      azimuths_[local_[i]] =
+          static_cast<std::uint16_t>(azimuths_[local_[i]] | ((1U << static_cast<unsigned>(lb_[i])) & kAzimuths));
+    }
+    if (n == count_) {  // local_ counts up from 0
+      for (std::size_t q = 0; q < 6; ++q)
+        for (std::size_t k = 0; k < n; ++k) information_[q][k] += static_cast<double>(li_[q][k]);
+    } else {
+      for (std::size_t q = 0; q < 6; ++q)
+        for (std::size_t i = 0; i < n; ++i) information_[q][local_[i]] += static_cast<double>(li_[q][i]);
+    }
+  }
+
+  // li_: information of the sight lines, see point_sigma().
+  void inform(const ViewFrustum& view, std::size_t n) {
+    const ViewNoise& noise = noise_[static_cast<std::size_t>(&view - views_.data())];
+    const geometry::Mat3& R = view.R_camera_world;
+    const Eigen::Vector3f r1 = R.row(0).cast<float>(), r2 = R.row(1).cast<float>(), r3 = R.row(2).cast<float>();
+    const auto fx = static_cast<float>(view.bounds->camera.fx_px), fy = static_cast<float>(view.bounds->camera.fy_px);
+    const float ax = r1.x(), ay = r1.y(), az = r1.z(), bx = r2.x(), by = r2.y(), bz = r2.z(), cx = r3.x(), cy = r3.y(),
+                cz = r3.z();
+    const float pixel = noise.pixel_px2, level = noise.xy_m2, up = noise.z_m2, turn = noise.rotation_rad2;
+    for (std::size_t i = 0; i < n; ++i) {
+      const float x = dx_[i], y = dy_[i], z = dz_[i];
+      const float depth = -(cx * x + cy * y + cz * z);
+      const float inverse = 1.0F / (std::abs(depth) + kLeastDepth);
+      const float u = -(ax * x + ay * y + az * z) * inverse, v = -(bx * x + by * y + bz * z) * inverse;
+      const float m = std::sqrt(lm_[i]), f = fx * m * inverse, g = fy * m * inverse;
+      const float px = f * (ax - u * cx), py = f * (ay - u * cy), pz = f * (az - u * cz);
+      const float qx = g * (bx - v * cx), qy = g * (by - v * cy), qz = g * (bz - v * cz);
+      const float turned = turn * (x * x + y * y + z * z);
+      const float sl = level + turned, su = up + turned;
+      const float s11 = pixel + sl * (px * px + py * py) + su * pz * pz;
+      const float s22 = pixel + sl * (qx * qx + qy * qy) + su * qz * qz;
+      const float s12 = sl * (px * qx + py * qy) + su * pz * qz;
+      const float det = 1.0F / (s11 * s22 - s12 * s12);
+      const float w11 = s22 * det, w22 = s11 * det, w12 = -s12 * det;
+      const float ex = w11 * px + w12 * qx, ey = w11 * py + w12 * qy, ez = w11 * pz + w12 * qz;
+      const float hx = w12 * px + w22 * qx, hy = w12 * py + w22 * qy, hz = w12 * pz + w22 * qz;
+      li_[0][i] = px * ex + qx * hx;
+      li_[1][i] = px * ey + qx * hy;
+      li_[2][i] = px * ez + qx * hz;
+      li_[3][i] = py * ey + qy * hy;
+      li_[4][i] = py * ez + qy * hz;
+      li_[5][i] = pz * ez + qz * hz;
+    }
+  }
+
+  // lb_: the bin of the sight line's azimuth, 12 where it has none.
+  void azimuth(std::size_t n) {
+    constexpr float kTan30 = 0.57735027F, kTan60 = 1.7320508F;
+    for (std::size_t i = 0; i < n; ++i) {
+      const float east = std::abs(dx_[i]), north = std::abs(dy_[i]);
+      const int k = (east >= kTan30 * north ? 1 : 0) + (east >= kTan60 * north ? 1 : 0);
+      const int eastern = dy_[i] >= 0.0F ? k : 5 - k, western = dy_[i] < 0.0F ? 6 + k : 11 - k;
+      const int bin = dx_[i] >= 0.0F ? eastern : western;
+      lb_[i] = east + north > kLeastHorizontal * std::abs(dz_[i]) ? bin : 12;
     }
   }
 
   void measure() {
     for (std::size_t k = 0; k < count_; ++k)
-      if (seen_[k] > 0) reduce(facet_[k], k * stride_, seen_[k]);
+      if (seen_[k] > 0) {
+        reduce(facet_[k], k * stride_, seen_[k]);
+        out_.azimuths[facet_[k]] = azimuths_[k];
+        if (seen_[k] > 1) predict(k);
+      }
   }
 
   void reduce(std::uint32_t facet, std::size_t begin, std::size_t n) {
@@ -195,16 +265,32 @@ class TileWork {
       return static_cast<float>(base::rad_to_deg(2.0 * std::asin(std::sqrt(0.5 * static_cast<double>(versine)))));
     };
     out_.incidence_best_deg[facet] = degrees(best);
+    float* versine = versine_.data() + begin;
+    std::nth_element(versine, versine + (n - 1) / 2, versine + n);
+    out_.incidence_median_deg[facet] = degrees(versine[(n - 1) / 2]);
     if (n < 2) return;
     out_.incidence_second_deg[facet] = degrees(second);
-    out_.parallax_deg[facet] = static_cast<float>(base::rad_to_deg(largest_angle(
-        std::span(x_).subspan(begin, n), std::span(y_).subspan(begin, n), std::span(z_).subspan(begin, n), scratch_)));
+    const WidestAngles widest = widest_angles(std::span(x_).subspan(begin, n), std::span(y_).subspan(begin, n),
+                                              std::span(z_).subspan(begin, n), scratch_);
+    out_.parallax_deg[facet] = static_cast<float>(base::rad_to_deg(widest.first));
+    out_.parallax_second_deg[facet] = static_cast<float>(base::rad_to_deg(widest.second));
+  }
+
+  void predict(std::size_t k) {
+    const std::uint32_t facet = facet_[k];
+    Information information;
+    for (std::size_t q = 0; q < 6; ++q) information[q] = information_[q][k];
+    constexpr double kMillimetres = 1000.0;
+    const PointSigma sigma = point_sigma(information);
+    out_.sigma_max_mm[facet] = static_cast<float>(kMillimetres * sigma.largest_m);
+    out_.sigma_z_mm[facet] = static_cast<float>(kMillimetres * sigma.up_m);
   }
 
   const TriangleMesh& mesh_;
   const FacetTiles& tiles_;
   const visibility::Scene& scene_;
   const std::vector<ViewFrustum>& views_;
+  const std::vector<ViewNoise>& noise_;
   const CoverageOptions& options_;
   FacetCoverage& out_;
 
@@ -215,7 +301,11 @@ class TileWork {
   std::array<std::uint8_t, kTileFacets> inside_{}, faces_{}, blocked_{};
   std::array<std::uint16_t, kTileFacets> local_{};
   std::array<Vec3, kTileFacets> target_;
-  std::array<float, kTileFacets> dx_{}, dy_{}, dz_{}, mx_{}, my_{}, mz_{}, lx_{}, ly_{}, lz_{}, lv_{}, lg_{};
+  std::array<float, kTileFacets> dx_{}, dy_{}, dz_{}, mx_{}, my_{}, mz_{}, lx_{}, ly_{}, lz_{}, lv_{}, lg_{}, lm_{};
+  std::array<std::array<float, kTileFacets>, 6> li_{};
+  std::array<int, kTileFacets> lb_{};
+  std::array<std::uint16_t, kTileFacets> azimuths_{};
+  std::array<std::array<double, kTileFacets>, 6> information_{};
   std::vector<std::pair<const ViewFrustum*, Side>> candidates_;
   std::size_t stride_ = 0;
   std::vector<float> x_, y_, z_, gsd_, versine_;
@@ -248,7 +338,7 @@ FacetCoverage coverage(const TriangleMesh& mesh, const visibility::Scene& scene,
   CoverageOptions checked = options;
   base::validate(base::bind_options(checked), "coverage");
   const std::size_t count = mesh.triangles.size();
-  ctx.check_memory(50 * static_cast<std::uint64_t>(count), "coverage of the facets");
+  ctx.check_memory(70 * static_cast<std::uint64_t>(count), "coverage of the facets");
 
   FacetCoverage out;
   out.views.assign(count, 0);
@@ -256,13 +346,19 @@ FacetCoverage coverage(const TriangleMesh& mesh, const visibility::Scene& scene,
   out.facing.assign(count, 0);
   if (options.metrics)
     for (auto* column :
-         {&out.gsd_best_mm, &out.gsd_median_mm, &out.incidence_best_deg, &out.incidence_second_deg, &out.parallax_deg})
+         {&out.gsd_best_mm, &out.gsd_median_mm, &out.incidence_best_deg, &out.incidence_second_deg,
+          &out.incidence_median_deg, &out.parallax_deg, &out.parallax_second_deg, &out.sigma_max_mm, &out.sigma_z_mm})
       column->assign(count, kNone);
+  if (options.metrics) out.azimuths.assign(count, 0);
 
   std::vector<CameraBounds> bounds;
   bounds.reserve(views.cameras.size());
   for (const survey::Camera& camera : views.cameras) bounds.push_back(camera_bounds(camera, options.frame_margin));
   const std::vector<ViewFrustum> looking = frusta(views, bounds);
+
+  std::vector<ViewNoise> noise;
+  noise.reserve(views.views.size());
+  for (const View& view : views.views) noise.push_back(view_noise(view, options.noise));
 
   const FacetTiles tiles = sort_into_tiles(mesh);
   out.skipped = tiles.skipped;
@@ -272,7 +368,7 @@ FacetCoverage coverage(const TriangleMesh& mesh, const visibility::Scene& scene,
     ctx.progress("facet tiles", begin, tiles.tiles.size());
     const std::size_t end = std::min(begin + kTilesAtOnce, tiles.tiles.size());
     base::parallel_for(end - begin, 16, [&](std::size_t from, std::size_t to) {
-      TileWork work(mesh, tiles, scene, looking, options, out);
+      TileWork work(mesh, tiles, scene, looking, noise, options, out);
       for (std::size_t t = begin + from; t < begin + to; ++t) {
         const std::uint64_t before = work.rays();
         work.run(tiles.tiles[t]);

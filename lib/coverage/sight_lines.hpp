@@ -26,9 +26,13 @@ struct SightLines {
   [[nodiscard]] std::size_t size() const { return x.size(); }
 };
 
-// Largest angle [rad] between two of n >= 2 unit vectors given by component; error below 1e-6 rad.
+// Of all pairs of n >= 2 unit vectors, given by component, the largest angle [rad] and that of the next pair (NaN where
+// n is 2); errors below 1e-6 rad. The two pairs may share a vector.
 // `scratch` is for the function's own use. Cost about n; n^2 where every pair competes.
-[[nodiscard]] double largest_angle(std::span<const float> x, std::span<const float> y, std::span<const float> z,
-                                   SightLines& scratch);
+struct WidestAngles {
+  double first = 0.0, second = 0.0;
+};
+[[nodiscard]] WidestAngles widest_angles(std::span<const float> x, std::span<const float> y, std::span<const float> z,
+                                         SightLines& scratch);
 
 }  // namespace cairn::coverage

@@ -15,6 +15,8 @@ struct View {
   survey::FrameId frame;
   std::size_t camera = 0;  // index in ViewSet::cameras
   geometry::RigidTransform T_world_camera;
+  // Standard deviations of that pose, as survey::Frame; 0 = not stated.
+  double sigma_xy_m = 0.0, sigma_z_m = 0.0, sigma_rot_deg = 0.0;
 };
 
 struct ViewSet {

@@ -1,13 +1,20 @@
 #include "pipeline/audited_surface.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <fstream>
 
 #include "base/error.hpp"
+#include "base/number_text.hpp"
+#include "coverage/cylinder_mesh.hpp"
 #include "geodesy/crs.hpp"
 #include "geometry/grid_mesh.hpp"
+#include "io/cloud.hpp"
 #include "io/mesh.hpp"
 #include "io/raster.hpp"
+#include "io/targets_json.hpp"
+#include "segmentation/terrain.hpp"
 
 namespace cairn::pipeline {
 namespace {
@@ -62,6 +69,80 @@ AuditedSurface from_raster(const std::filesystem::path& path, const std::optiona
   return surface;
 }
 
+// `cairn surface` paints the vertices of facets that it closed. Empty where the mesh has other colours.
+std::vector<std::uint8_t> seen_by_colour(const geometry::TriangleMesh& mesh) {
+  using Colour = std::array<std::uint8_t, 3>;
+  constexpr Colour kSeen{168, 150, 126}, kClosed{196, 96, 70};
+  bool closed = false;
+  for (const Colour& c : mesh.colours) {
+    if (c != kSeen && c != kClosed) return {};
+    closed = closed || c == kClosed;
+  }
+  if (!closed) return {};
+  std::vector<std::uint8_t> observed;
+  observed.reserve(mesh.triangles.size());
+  for (const geometry::Triangle& t : mesh.triangles)
+    observed.push_back(std::all_of(t.begin(), t.end(), [&](auto v) { return mesh.colours.at(v) == kClosed; }) ? 0 : 1);
+  return observed;
+}
+
+AuditedSurface from_cloud(const std::filesystem::path& path, const std::optional<geodesy::LocalFrame>& frame,
+                          base::RunContext& ctx) {
+  io::CloudFile data = io::read_cloud(path);
+  std::vector<geometry::Vec3>& points = data.cloud.positions;
+  if (!data.facts.crs.empty() && data.facts.crs != "local") {
+    if (!frame)
+      throw Error(ErrorCode::crs_mismatch, "the cloud declares a CRS and the views have none")
+          .file(path.string())
+          .found(data.facts.crs);
+    geodesy::CrsConverter(data.facts.crs, *frame).to_local(points);
+  }
+  const segmentation::TerrainOptions options;
+  const segmentation::TerrainModel model = segmentation::model_terrain(points, options, ctx);
+  geometry::GridMesh made = geometry::grid_mesh(model.surface);
+  AuditedSurface surface;
+  surface.mesh = std::move(made.mesh);
+  surface.grid = model.surface.geometry;
+  if (frame) surface.crs = frame->raster_crs_wkt();
+  surface.facet_cell = std::move(made.facet_cell);
+  for (const std::uint32_t cell : surface.facet_cell) surface.observed.push_back(model.observed.values[cell]);
+  surface.notes.emplace_back("a terrain model of the cloud in cells of " + base::to_text(options.cell_m) +
+                             " m stands for it");
+  return surface;
+}
+
+AuditedSurface from_targets(const std::filesystem::path& path) {
+  AuditedSurface surface;
+  surface.targets_themselves = true;
+  for (const survey::Target& target : io::read_targets(path).targets) {
+    if (target.state == survey::TargetState::deregistered || !(target.refined || target.bcylinder)) continue;
+    const geometry::VerticalCylinder& c = target.refined ? target.refined->cylinder : *target.bcylinder;
+    if (!(c.height() > 0.0 && c.radius > 0.0)) {
+      surface.notes.push_back("target " + std::to_string(target.id.value) +
+                              " is left out: a cylinder without height or radius has no wall");
+      continue;
+    }
+    const geometry::TriangleMesh own = coverage::cylinder_mesh(c);
+    const auto offset = static_cast<std::uint32_t>(surface.mesh.vertices.size());
+    surface.mesh.vertices.insert(surface.mesh.vertices.end(), own.vertices.begin(), own.vertices.end());
+    for (const geometry::Triangle& t : own.triangles)
+      surface.mesh.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  }
+  surface.notes.emplace_back("the cylinders of the targets stand for the surface; nothing else is in the way");
+  return surface;
+}
+
+// By the name alone: PLY may hold either, and is asked.
+bool is_cloud(const std::filesystem::path& path) {
+  const std::string extension = path.extension().string();
+  if (extension == ".las" || extension == ".laz" || extension == ".pcd" || extension == ".xyz") return true;
+  if (extension != ".ply") return false;
+  std::ifstream in(path, std::ios::binary);
+  for (std::string line; std::getline(in, line) && !line.starts_with("end_header");)
+    if (line.starts_with("element face ") && !line.starts_with("element face 0")) return false;
+  return true;
+}
+
 AuditedSurface from_mesh(const std::filesystem::path& path, const std::optional<geodesy::LocalFrame>& frame) {
   io::MeshData data = io::read_mesh(path);
   AuditedSurface surface;
@@ -75,15 +156,20 @@ AuditedSurface from_mesh(const std::filesystem::path& path, const std::optional<
     converter.to_local(data.mesh.vertices);
   }
   surface.mesh = std::move(data.mesh);
-  surface.notes.emplace_back("a mesh does not say which facets are interpolated; all are taken as observed");
+  surface.observed = seen_by_colour(surface.mesh);
+  if (surface.observed.empty())
+    surface.notes.emplace_back("a mesh does not say which facets are interpolated; all are taken as observed");
   return surface;
 }
 
 }  // namespace
 
-AuditedSurface read_audited_surface(const std::filesystem::path& path,
-                                    const std::optional<geodesy::LocalFrame>& frame) {
-  AuditedSurface surface = is_tiff(path) ? from_raster(path, frame) : from_mesh(path, frame);
+AuditedSurface read_audited_surface(const std::filesystem::path& path, const std::optional<geodesy::LocalFrame>& frame,
+                                    base::RunContext& ctx) {
+  AuditedSurface surface = is_tiff(path)                 ? from_raster(path, frame)
+                           : path.extension() == ".json" ? from_targets(path)
+                           : is_cloud(path)              ? from_cloud(path, frame, ctx)
+                                                         : from_mesh(path, frame);
   if (surface.mesh.triangles.empty())
     throw Error(ErrorCode::invalid_input, "the surface has no facets").file(path.string()).allowed("at least 1");
   return surface;

@@ -1,6 +1,7 @@
 #include "pipeline/coverage_summary.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <string>
@@ -83,6 +84,25 @@ io::Json percentiles(const Observed& o, const Value& value) {
   return io::Json::object({{"p5", at(0.05)}, {"median", at(0.5)}, {"p95", at(0.95)}});
 }
 
+// Walls and undersides apart: what a flight that looks straight down fails to see.
+io::Json sides(const geometry::TriangleMesh& mesh, const Observed& o, const Audit& audit) {
+  constexpr double kRise = 0.2;  // of the unit normal
+  std::array<double, coverage::kVerdicts> by_verdict{};
+  double total = 0.0;
+  for (std::size_t k = 0; k < o.facets.size(); ++k) {
+    const geometry::Vec3 a = mesh.area_vector(o.facets[k]);
+    if (!(a.z() < kRise * a.norm())) continue;
+    by_verdict[static_cast<std::size_t>(audit.verdicts[o.facets[k]])] += o.area_m2[k];
+    total += o.area_m2[k];
+  }
+  io::Json areas = io::Json::object();
+  for (std::size_t v = 0; v < coverage::kVerdicts; ++v)
+    areas.set(std::string(coverage::name_of(static_cast<Verdict>(v))), by_verdict[v]);
+  io::Json result = io::Json::object({{"area_m2", total}, {"area_m2_by_verdict", std::move(areas)}});
+  if (total > 0.0) result.set("completeness", by_verdict[static_cast<std::size_t>(Verdict::passed)] / total);
+  return result;
+}
+
 std::vector<double> even_edges(double step, int count) {
   std::vector<double> edges;
   for (int i = 0; i <= count; ++i) edges.push_back(step * i);
@@ -98,7 +118,10 @@ CoverageFigures coverage_figures(const geometry::TriangleMesh& mesh, const Facet
     return [&values](std::size_t i) { return static_cast<double>(values[i]); };
   };
   const Value views = [&m](std::size_t i) { return static_cast<double>(m.views[i]); };
-  const Value gsd = column(m.gsd_best_mm), parallax = column(m.parallax_deg), best = column(m.incidence_best_deg);
+  const Value gsd = column(m.gsd_best_mm), sigma = column(m.sigma_max_mm),
+              overlap = [&m](std::size_t i) { return static_cast<double>(m.in_frame[i]); };
+  const Value azimuths = [&m](std::size_t i) { return static_cast<double>(coverage::azimuth_bins(m.azimuths[i])); };
+  const Value parallax = column(m.parallax_deg), best = column(m.incidence_best_deg);
   const Value incidence = gates.min_views < 2 ? best : Value(column(m.incidence_second_deg));
 
   CoverageFigures figures;
@@ -159,7 +182,14 @@ CoverageFigures coverage_figures(const geometry::TriangleMesh& mesh, const Facet
                                       {"views", percentiles(o, views)},
                                       {"gsd_best_mm", gsd_spread},
                                       {"incidence_best_deg", percentiles(o, best)},
+                                      {"incidence_median_deg", percentiles(o, column(m.incidence_median_deg))},
                                       {"parallax_deg", percentiles(o, parallax)},
+                                      {"parallax_second_deg", percentiles(o, column(m.parallax_second_deg))},
+                                      {"azimuth_bins", percentiles(o, azimuths)},
+                                      {"sigma_max_mm", percentiles(o, sigma)},
+                                      {"sigma_z_mm", percentiles(o, column(m.sigma_z_mm))},
+                                      {"overlap", percentiles(o, overlap)},
+                                      {"sides", sides(mesh, o, audit)},
                                       {"sight_lines", static_cast<std::int64_t>(m.rays)}});
   return figures;
 }

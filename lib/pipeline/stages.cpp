@@ -27,15 +27,16 @@ constexpr std::uint64_t kMebibyte = 1U << 20U;
 
 // A costmap of up to 20 million cells (220 m square at 5 cm); the extent is known after `terrain` only.
 std::unique_ptr<Stage> make_costmap_stage() {
-  return make_function_stage<ground::CostmapOptions>(
+  return make_function_stage<CostmapStageOptions>(
       {"costmap",
        {"terrain", "obstacles"},
        {},
-       [](const StageInputs&, const ground::CostmapOptions&) -> Estimate {
+       [](const StageInputs&, const CostmapStageOptions&) -> Estimate {
          return {400 * kMebibyte, 40 * kMebibyte};
        },
-       [](const StageInputs& in, const fs::path& out, const ground::CostmapOptions& options, base::RunContext& ctx) {
-         return costmap_stage({in.products / "obstacles.json", in.products / "surface.tif"}, out, options, ctx);
+       [](const StageInputs& in, const fs::path& out, const CostmapStageOptions& options, base::RunContext& ctx) {
+         return costmap_stage({in.products / "obstacles.json", in.products / "surface.tif", {}, {}, {}, {}}, out,
+                              options, ctx);
        }});
 }
 

@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <numeric>
 
@@ -55,6 +57,8 @@ ViewSet ring_of_views(std::size_t count, const survey::Camera& camera) {
 struct Expected {
   std::uint32_t in_frame = 0, facing = 0, views = 0;
   double gsd_mm = 1e300, incidence_deg = 1e300, second_deg = 1e300, parallax_deg = 0.0;
+  double median_deg = 0.0, parallax_second_deg = 0.0;
+  std::uint16_t azimuths = 0;
   bool silhouette = false;  // a view so near an edge that precision decides
 };
 
@@ -63,6 +67,7 @@ Expected by_definition(const TriangleMesh& mesh, std::size_t facet, const ViewSe
   Expected e;
   const Vec3 c = mesh.centroid(facet), n = mesh.area_vector(facet).normalized();
   std::vector<Vec3> lines;
+  std::vector<double> incidences, angles;
   for (const View& view : set.views) {
     const survey::Camera& camera = set.cameras[view.camera];
     const Vec3 d = c - view.T_world_camera.translation;
@@ -99,10 +104,18 @@ Expected by_definition(const TriangleMesh& mesh, std::size_t facet, const ViewSe
     const double incidence = base::rad_to_deg(std::atan2(n.cross(d).norm(), -n.dot(d)));
     e.second_deg = std::min(e.second_deg, std::max(incidence, e.incidence_deg));
     e.incidence_deg = std::min(e.incidence_deg, incidence);
-    for (const Vec3& line : lines)
-      e.parallax_deg = std::max(e.parallax_deg, base::rad_to_deg(std::atan2(line.cross(d).norm(), line.dot(d))));
+    for (const Vec3& line : lines) angles.push_back(base::rad_to_deg(std::atan2(line.cross(d).norm(), line.dot(d))));
     lines.push_back(d);
+    incidences.push_back(incidence);
+    const double azimuth = base::rad_to_deg(std::atan2(-d.x(), -d.y()));
+    e.azimuths = static_cast<std::uint16_t>(e.azimuths |
+                                            1U << static_cast<unsigned>((azimuth < 0 ? azimuth + 360 : azimuth) / 30));
   }
+  std::sort(incidences.begin(), incidences.end());
+  std::sort(angles.begin(), angles.end(), std::greater<>());
+  if (!incidences.empty()) e.median_deg = incidences[(incidences.size() - 1) / 2];
+  if (!angles.empty()) e.parallax_deg = angles[0];
+  if (angles.size() > 1) e.parallax_second_deg = angles[1];
   return e;
 }
 
@@ -132,9 +145,18 @@ void compare_with_definition(const survey::Camera& camera, double margin) {
       EXPECT_NEAR(static_cast<double>(result.gsd_best_mm[i]), e.gsd_mm, kRelative * e.gsd_mm) << i;
       EXPECT_GE(result.gsd_median_mm[i], result.gsd_best_mm[i]);
       EXPECT_NEAR(static_cast<double>(result.incidence_best_deg[i]), e.incidence_deg, kAngleTolerance) << i;
+      EXPECT_NEAR(static_cast<double>(result.incidence_median_deg[i]), e.median_deg, kAngleTolerance) << i;
+      EXPECT_EQ(result.azimuths[i], e.azimuths) << i;
+      EXPECT_EQ(azimuth_bins(result.azimuths[i]), std::popcount(e.azimuths));
       if (e.views < 2) {
         EXPECT_TRUE(std::isnan(result.parallax_deg[i]));
+        EXPECT_TRUE(std::isnan(result.sigma_max_mm[i]));
         continue;
+      }
+      EXPECT_GE(result.sigma_max_mm[i], result.sigma_z_mm[i]);
+      EXPECT_GT(result.sigma_z_mm[i], 0.0F);
+      if (e.views > 2) {
+        EXPECT_NEAR(static_cast<double>(result.parallax_second_deg[i]), e.parallax_second_deg, kAngleTolerance) << i;
       }
       EXPECT_NEAR(static_cast<double>(result.incidence_second_deg[i]), e.second_deg, kAngleTolerance) << i;
       EXPECT_NEAR(static_cast<double>(result.parallax_deg[i]), e.parallax_deg, kAngleTolerance) << i;

@@ -171,6 +171,7 @@ ImageMetadata metadata_of(const Exiv2::Image& image, const ImageSize& size, std:
   m.orientation = orientation >= 1.0 && orientation <= 8.0 ? static_cast<int>(orientation) : 1;
   m.focal_length_mm = tags.positive("Exif.Photo.FocalLength");
   m.focal_length_35mm_mm = tags.positive("Exif.Photo.FocalLengthIn35mmFilm");
+  m.exposure_s = tags.positive("Exif.Photo.ExposureTime");
   m.latitude_deg = angle_of(tags, "Exif.GPSInfo.GPSLatitude", "Exif.GPSInfo.GPSLatitudeRef", "S");
   m.longitude_deg = angle_of(tags, "Exif.GPSInfo.GPSLongitude", "Exif.GPSInfo.GPSLongitudeRef", "W");
   if (!m.latitude_deg || !m.longitude_deg) m.latitude_deg = m.longitude_deg = std::nullopt;
