@@ -17,6 +17,7 @@
 #include "pipeline/segment_stage.hpp"
 #include "pipeline/surface_stage.hpp"
 #include "pipeline/terrain_stage.hpp"
+#include "pipeline/vehicle_stage.hpp"
 
 namespace cairn::pipeline {
 namespace fs = std::filesystem;
@@ -83,7 +84,7 @@ std::unique_ptr<Stage> make_figures_stage() {
 }
 
 using Maker = std::unique_ptr<Stage> (*)();
-constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate", make_locate_stage},
+constexpr std::array<std::pair<std::string_view, Maker>, 14> kStages{{{"locate", make_locate_stage},
                                                                       {"terrain", make_terrain_stage},
                                                                       {"segment", make_segment_stage},
                                                                       {"surface", make_surface_stage},
@@ -91,6 +92,7 @@ constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate",
                                                                       {"figures", make_figures_stage},
                                                                       {"coverage", make_coverage_stage},
                                                                       {"obstacles", make_obstacles_stage},
+                                                                      {"vehicle", make_vehicle_stage},
                                                                       {"costmap", make_costmap_stage},
                                                                       {"route", make_route_stage},
                                                                       {"layers", make_layers_stage},
