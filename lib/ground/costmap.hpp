@@ -5,9 +5,8 @@
 #include <vector>
 
 #include "base/options.hpp"
-#include "base/run_context.hpp"
 #include "geometry/grid.hpp"
-#include "survey/obstacle.hpp"
+#include "ground/occupancy.hpp"
 
 namespace cairn::ground {
 
@@ -16,9 +15,6 @@ inline constexpr std::uint8_t kUnknown = 255;
 inline constexpr std::uint8_t kLethal = 254;     // an obstacle stands in the cell
 inline constexpr std::uint8_t kInscribed = 253;  // the vehicle's centre in the cell means contact
 inline constexpr std::uint8_t kSteepestFree = 252;
-
-// Values of an occupancy grid.
-enum class Occupancy : std::uint8_t { free = 0, occupied = 1, unknown = 2 };
 
 struct CostmapOptions {
   double radius_m = 0.35;      // R of (9): radius of the vehicle; the paper gives none
@@ -36,16 +32,19 @@ struct CostmapOptions {
 //   254 if D = 0;  253 if D <= R;  252 exp(-alpha (D - R)) beyond.
 [[nodiscard]] std::uint8_t cost_at(double distance_m, const CostmapOptions& options);
 
-// Marks the cells whose centre lies within half the width of an obstacle, and always the cell its
-// position is in. `ignored` obstacles and vehicles leave no mark. Obstacles outside the grid are
-// returned by index. Cost: cells covered.
-[[nodiscard]] std::vector<std::size_t> mark_obstacles(const std::vector<survey::Obstacle>& obstacles,
-                                                      geometry::Grid<std::uint8_t>& occupancy);
+// Whole cells beyond which an obstacle adds nothing to the cost of a cell; >= 1.
+[[nodiscard]] int reach_cells(const CostmapOptions& options);
 
-// Equation (9) over an occupancy grid (values of Occupancy). Unknown cells stay unknown. Distance is
-// Euclidean between cell centres, exact. Cost linear in cells.
+// Equation (9) over an occupancy grid. D = sqrt(dr^2 + dc^2) * resolution between cell centres, exact: equal to looking
+// at every pair of cells, to the last bit. Unknown cells stay unknown and are no obstacles. The distance is not
+// followed beyond reach_cells. Cost linear in cells, memory 1 byte a cell for the result and some rows for each thread.
 // The grid's cell must equal options.resolution_m within 1e-9.
-[[nodiscard]] geometry::Grid<std::uint8_t> costmap(const geometry::Grid<std::uint8_t>& occupancy,
-                                                   const CostmapOptions& options);
+[[nodiscard]] geometry::Grid<std::uint8_t> costmap(const OccupancyGrid& occupancy, const CostmapOptions& options);
+
+// Brings `cost` up to date after cells inside `changed` have changed: only those and the cells within reach of them are
+// computed again, to the same bytes as costmap() of the whole. Returns the cells written.
+// Cost: 0.4 s of 10 000 x 10 000 cells, pro rata; a window of 10 m at 0.05 m takes about 1 ms.
+CellRegion update_costmap(const OccupancyGrid& occupancy, const CellRegion& changed, const CostmapOptions& options,
+                          geometry::Grid<std::uint8_t>& cost);
 
 }  // namespace cairn::ground

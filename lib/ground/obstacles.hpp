@@ -1,8 +1,6 @@
 // Located objects to obstacles of a ground vehicle.
 #pragma once
 
-#include <functional>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -10,21 +8,16 @@
 #include "base/options.hpp"
 #include "base/reject.hpp"
 #include "base/run_context.hpp"
+#include "ground/class_table.hpp"
+#include "ground/ground_height.hpp"
 #include "survey/obstacle.hpp"
 #include "survey/survey.hpp"
 #include "survey/target.hpp"
 
 namespace cairn::ground {
 
-// Height of the bare ground [local up, m] at (east, north); empty where it is not known.
-using GroundHeight = std::function<std::optional<double>(double east, double north)>;
-
 struct ObstacleOptions {
-  // Class tables, comma-separated, compared without case. Paper B (B4): cones and bushes are obstacles; trees are seen
-  // but ignored, because the vehicle passes below the crown; the vehicle itself is none.
-  std::string obstacle_classes = "cone,bush,boulder,rock,pbr,car,wall,bench,picnic_table,table,fence,pole";
-  std::string ignored_classes = "tree";
-  std::string vehicle_classes = "ugv";
+  ClassTable classes;
   std::string least_state = "converging";  // targets of a lower state are left out (converging: two consistent boxes)
   double edge_margin_px = 5.0;             // boxes nearer to the image border do not show the whole width
   double min_height_m = 0.1;               // height given to an object that the ground model does not let stand out
@@ -39,17 +32,15 @@ struct ObstacleResult {
   std::size_t without_ground = 0;            // foot taken from the object's own height
 };
 
-// Kind of a class by the tables; empty for a class in none of them.
-[[nodiscard]] std::optional<survey::ObstacleKind> kind_of_class(const std::string& object_class,
-                                                                const ObstacleOptions& options);
-
 // Position: the point of the ground below the target's centre. Covariance: the centre's, east and north.
 // Width and height: an upright cylinder of diameter D and height H about the centre spans, along an image axis, the
 // pixels D |j_h| + H |j_z|, with j the derivative of that pixel coordinate by the position (B7 made true for any view).
 // H is twice the centre's height above the ground (the centre of an outline lies half way up), at least min-height-m;
 // where no ground is known, H = D/2. D of a box is the larger of its two axes' values, as it must hold the object;
 // the width is the median over the boxes that are whole. Without such boxes: the bounding cylinder's.
-// Linear in detections; log n to find each.
+// First and last seen: capture times of its boxes' frames. Misses: later frames that show its place within the middle
+// 96 % of the image, no farther than twice the farthest of its own boxes' frames, and not it.
+// Linear in detections and in targets times frames; log n to find each.
 [[nodiscard]] ObstacleResult make_obstacles(std::span<const survey::Target> targets, const survey::Survey& survey,
                                             const GroundHeight& ground, const ObstacleOptions& options,
                                             base::RunContext& ctx);

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <numbers>
-#include <queue>
+#include <string>
 
+#include "base/error.hpp"
 #include "ground/costmap.hpp"
+#include "ground/jump_points.hpp"
+#include "ground/weighted_path.hpp"
 
 namespace cairn::ground {
 namespace {
@@ -15,8 +17,8 @@ namespace {
 using geometry::Grid;
 
 constexpr double kDiagonal = std::numbers::sqrt2;
-constexpr std::uint8_t kNoParent = 255;
-constexpr std::uint64_t kStopInterval = 1 << 16;
+// Row and column numbers with the border fit 28 bits.
+constexpr std::size_t kMostLines = 200'000'000;
 
 struct Move {
   int row, column;
@@ -63,22 +65,6 @@ class Field {
   std::array<double, 256> factor_{};
 };
 
-double octile(std::int64_t rows, std::int64_t columns) {
-  const auto a = static_cast<double>(std::abs(rows)), b = static_cast<double>(std::abs(columns));
-  return std::max(a, b) + (kDiagonal - 1.0) * std::min(a, b);
-}
-
-struct Entry {
-  double estimate, travelled;
-  std::int64_t index;
-  // The queue's top is the least estimate, then the farthest travelled, then the least index.
-  friend bool operator<(const Entry& a, const Entry& b) {
-    if (a.estimate != b.estimate) return a.estimate > b.estimate;
-    if (a.travelled != b.travelled) return a.travelled < b.travelled;
-    return a.index > b.index;
-  }
-};
-
 // Steps of a breadth-first sweep over one region; the last cell reached is among the farthest.
 struct Sweep {
   std::int64_t last = -1;
@@ -101,69 +87,102 @@ Sweep sweep(const Field& field, std::int64_t from, std::vector<std::uint32_t>& m
   return {queue.back(), queue.size()};
 }
 
+double length_of(std::int64_t straight, std::int64_t diagonal) {
+  return static_cast<double>(straight) + kDiagonal * static_cast<double>(diagonal);
+}
+
+// The factor of all free cells where they have but one.
+std::optional<double> only_factor(const Grid<std::uint8_t>& cost, const StepFactors& factors) {
+  // Four tables: equal neighbours would otherwise wait for one another's store.
+  std::array<std::array<std::uint8_t, 256>, 4> present{};
+  for (std::size_t i = 0; i < cost.values.size(); ++i) present[i & 3][cost.values[i]] = 1;
+  std::optional<double> only;
+  for (std::size_t value = 0; value < factors.size(); ++value) {
+    const bool here = (present[0][value] | present[1][value] | present[2][value] | present[3][value]) != 0;
+    if (!here || !(factors[value] > 0.0)) continue;
+    if (only && *only != factors[value]) return std::nullopt;
+    only = factors[value];
+  }
+  return only;
+}
+
+// All cells between turning points that are joined by straight or diagonal steps.
+std::vector<std::pair<std::int64_t, std::int64_t>> every_cell(
+    const std::vector<std::pair<std::int64_t, std::int64_t>>& corners) {
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
+  const auto sign = [](std::int64_t v) { return static_cast<std::int64_t>(v > 0) - static_cast<std::int64_t>(v < 0); };
+  for (const auto& corner : corners) {
+    if (cells.empty()) cells.push_back(corner);
+    while (cells.back() != corner)
+      cells.emplace_back(cells.back().first + sign(corner.first - cells.back().first),
+                         cells.back().second + sign(corner.second - cells.back().second));
+  }
+  return cells;
+}
+
 }  // namespace
+
+bool drivable(std::uint8_t cost, const RouteOptions& options) {
+  return cost < kInscribed || (cost == kUnknown && options.allow_unknown);
+}
+
+double step_factor(std::uint8_t cost, const RouteOptions& options) {
+  if (cost == kUnknown && options.allow_unknown) return 1.0;
+  return 1.0 + options.cost_weight * std::min<double>(cost, kSteepestFree) / kSteepestFree;
+}
 
 Route find_route(const Grid<std::uint8_t>& cost, const Cell& start, const Cell& goal, const RouteOptions& options,
                  base::RunContext& ctx) {
   RouteOptions checked = options;
   base::validate(base::bind_options(checked), "route");
-  const Field field(cost, options);
-  const auto index_of = [&](const Cell& cell) {
-    return static_cast<std::int64_t>(cell.first) * field.columns() + static_cast<std::int64_t>(cell.second);
-  };
+  const auto& g = cost.geometry;
+  if (g.rows > kMostLines || g.columns > kMostLines)
+    throw base::Error(base::ErrorCode::invalid_argument, "the costmap is too large for a route")
+        .found(std::to_string(g.columns) + " x " + std::to_string(g.rows) + " cells")
+        .allowed("at most " + std::to_string(kMostLines) + " a side");
   const auto is_free = [&](const Cell& cell) {
-    return field.free(static_cast<std::int64_t>(cell.first), static_cast<std::int64_t>(cell.second));
+    return cell.first < g.rows && cell.second < g.columns && drivable(cost.at(cell.first, cell.second), options);
   };
   Route route;
   if (!is_free(start)) route.reason = "start_blocked";
   else if (!is_free(goal)) route.reason = "goal_blocked";
   if (!route.reason.empty()) return route;
 
-  const std::int64_t source = index_of(start), target = index_of(goal);
-  const std::int64_t goal_row = target / field.columns(), goal_column = target % field.columns();
-  std::vector<double> best(cost.values.size(), std::numeric_limits<double>::infinity());
-  std::vector<std::uint8_t> parent(cost.values.size(), kNoParent);
-  std::priority_queue<Entry> open;
-  best[static_cast<std::size_t>(source)] = 0.0;
-  open.push({octile(source / field.columns() - goal_row, source % field.columns() - goal_column), 0.0, source});
-  while (!open.empty()) {
-    const Entry entry = open.top();
-    open.pop();
-    if (entry.travelled > best[static_cast<std::size_t>(entry.index)]) continue;
-    if (++route.expansions % kStopInterval == 0) ctx.check_stop();
-    if (entry.index == target) {
-      route.found = true;
-      break;
-    }
-    const std::int64_t row = entry.index / field.columns(), column = entry.index % field.columns();
-    const double here = field.factor(entry.index);
-    for (std::size_t m = 0; m < kMoves.size(); ++m) {
-      const Move& move = kMoves[m];
-      if (!field.open(row, column, move)) continue;
-      const std::int64_t next = entry.index + move.row * field.columns() + move.column;
-      const double travelled = entry.travelled + move.length * 0.5 * (here + field.factor(next));
-      if (travelled >= best[static_cast<std::size_t>(next)]) continue;
-      best[static_cast<std::size_t>(next)] = travelled;
-      parent[static_cast<std::size_t>(next)] = static_cast<std::uint8_t>(m);
-      open.push({travelled + octile(row + move.row - goal_row, column + move.column - goal_column), travelled, next});
-    }
+  StepFactors factors{};
+  for (std::size_t value = 0; value < factors.size(); ++value) {
+    const auto byte = static_cast<std::uint8_t>(value);
+    factors[value] = drivable(byte, options) ? step_factor(byte, options) : 0.0;
   }
+  const auto signed_cell = [](const Cell& cell) {
+    return std::pair(static_cast<std::int64_t>(cell.first), static_cast<std::int64_t>(cell.second));
+  };
+  std::vector<std::pair<std::int64_t, std::int64_t>> cells;
+  if (const auto factor = only_factor(cost, factors)) {
+    std::vector<std::uint8_t> blocked(factors.size());
+    for (std::size_t value = 0; value < factors.size(); ++value) blocked[value] = factors[value] > 0.0 ? 0 : 1;
+    const JumpPath path = jump_path(BlockedBits(cost, blocked), signed_cell(start), signed_cell(goal), ctx);
+    cells = every_cell(path.corners);
+    route.expansions = path.expansions;
+    route.weighted_length_m = *factor * length_of(path.straight, path.diagonal) * g.cell;
+  } else {
+    WeightedPath path = weighted_path(cost, factors, signed_cell(start), signed_cell(goal), ctx);
+    cells = std::move(path.cells);
+    route.expansions = path.expansions;
+    route.weighted_length_m = path.weighted * g.cell;
+  }
+  route.found = !cells.empty();
   if (!route.found) {
     route.reason = "no_path";
     return route;
   }
-  route.weighted_length_m = best[static_cast<std::size_t>(target)] * cost.geometry.cell;
-  double cells = 0.0;
-  for (std::int64_t at = target;;) {
-    route.path.push_back(cost.geometry.centre(static_cast<std::size_t>(at / field.columns()),
-                                              static_cast<std::size_t>(at % field.columns())));
-    if (at == source) break;
-    const Move& move = kMoves[parent[static_cast<std::size_t>(at)]];
-    cells += move.length;
-    at -= move.row * field.columns() + move.column;
+  std::int64_t straight = 0, diagonal = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    route.path.push_back(g.centre(static_cast<std::size_t>(cells[i].first), static_cast<std::size_t>(cells[i].second)));
+    if (i == 0) continue;
+    if (cells[i].first != cells[i - 1].first && cells[i].second != cells[i - 1].second) ++diagonal;
+    else ++straight;
   }
-  std::reverse(route.path.begin(), route.path.end());
-  route.length_m = cells * cost.geometry.cell;
+  route.length_m = length_of(straight, diagonal) * g.cell;
   return route;
 }
 

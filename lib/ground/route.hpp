@@ -25,6 +25,11 @@ struct RouteOptions {
   }
 };
 
+// Whether a cell of this cost can be driven on: below 253, or unknown where that is allowed.
+[[nodiscard]] bool drivable(std::uint8_t cost, const RouteOptions& options);
+// What a metre in a cell of this cost counts: 1 + weight * cost / 252; blocked cells count as cost 252.
+[[nodiscard]] double step_factor(std::uint8_t cost, const RouteOptions& options);
+
 using Cell = std::pair<std::size_t, std::size_t>;  // row, column
 
 struct Route {
@@ -37,8 +42,9 @@ struct Route {
 };
 
 // 8-connected, corners are not cut: a diagonal step needs both cells beside it free. Cells with cost
-// >= 253 are blocked. Optimal for the weighted length: the octile heuristic is consistent. Ties are broken
-// by the cell's index, so the path is deterministic. Memory 13 bytes a cell plus the open list.
+// >= 253 are blocked. Optimal for the weighted length and deterministic. Where all drivable cells count the same
+// (cost_weight 0, or a map of free and blocked cells only) by jump points (ground/jump_points.hpp; expansions are then
+// jump points), else by A* cell by cell (ground/weighted_path.hpp).
 [[nodiscard]] Route find_route(const geometry::Grid<std::uint8_t>& cost, const Cell& start, const Cell& goal,
                                const RouteOptions& options, base::RunContext& ctx);
 

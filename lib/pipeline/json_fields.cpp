@@ -87,6 +87,18 @@ void JsonFields::text(std::string_view name, std::string& value) {
   value = json->as_string();
 }
 
+void JsonFields::texts(std::string_view name, std::vector<std::string>& value) {
+  const auto* json = find(name);
+  if (json == nullptr) return;
+  const std::string allowed = "a list of texts";
+  if (!json->is_array()) fail(name, "the wrong kind of value", kind_of(*json), allowed);
+  value.clear();
+  for (const auto& item : json->as_array()) {
+    if (!item.is_string()) fail(name, "the wrong kind of value", kind_of(item), allowed);
+    value.push_back(item.as_string());
+  }
+}
+
 std::optional<std::size_t> JsonFields::choice(std::string_view name, const std::vector<std::string_view>& allowed) {
   std::string value;
   text(name, value);

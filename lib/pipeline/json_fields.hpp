@@ -26,6 +26,7 @@ class JsonFields {
   void seed(std::string_view name, std::uint64_t& value);  // 0..2^63 - 1
   void flag(std::string_view name, bool& value);
   void text(std::string_view name, std::string& value);
+  void texts(std::string_view name, std::vector<std::string>& value);
   // One of `allowed`; returns its index, or nothing where the member is absent.
   [[nodiscard]] std::optional<std::size_t> choice(std::string_view name, const std::vector<std::string_view>& allowed);
   // Exactly `count` numbers.

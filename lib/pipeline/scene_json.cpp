@@ -11,6 +11,7 @@
 #include "io/json.hpp"
 #include "io/mesh.hpp"
 #include "pipeline/json_fields.hpp"
+#include "pipeline/scene_drive.hpp"
 #include "pipeline/scene_terrain.hpp"
 
 namespace cairn::pipeline {
@@ -96,6 +97,7 @@ class SceneReader {
       scene_.confusions.push_back(confusion);
     });
     f.object("products", [&](JsonFields& p) { products(p); });
+    f.object("drive", [&](JsonFields& d) { scene_.drive = read_scene_drive(d); });
     f.finish();
     return std::move(scene_);
   }
@@ -367,6 +369,7 @@ class SceneReader {
     f.real("min_visible_share", d.min_visible_share);
     f.real("min_inside_share", d.min_inside_share);
     f.real("min_size_px", d.min_size_px);
+    f.texts("blind_to", d.blind_to);
     f.real("false_per_image", d.false_per_image);
     pair(f, "false_size_px", d.false_size_lo_px, d.false_size_hi_px);
     f.object("score", [&](JsonFields& s) {

@@ -212,7 +212,9 @@ Detections detect(const Scene& scene, std::uint64_t seed, const std::vector<Expo
   for (std::size_t i = 0; i < boxes.size(); ++i)
     for (const SeenBox& box : boxes[i]) {
       const bool lapse = misses.next(static_cast<std::size_t>(box.truth.object.value - 1));
-      const bool hard = box.truth.visible_share < d.min_visible_share || box.inside_share < d.min_inside_share ||
+      const auto& object = objects[static_cast<std::size_t>(box.truth.object.value - 1)].truth;
+      const bool hard = std::find(d.blind_to.begin(), d.blind_to.end(), object.object_class) != d.blind_to.end() ||
+                        box.truth.visible_share < d.min_visible_share || box.inside_share < d.min_inside_share ||
                         std::min(box.truth.box.width(), box.truth.box.height()) < d.min_size_px;
       missed[i].push_back(lapse || hard ? 1 : 0);
     }

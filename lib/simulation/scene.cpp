@@ -201,6 +201,7 @@ survey::Camera r200_camera() {
 
 void validate(const Scene& scene) {
   const Checker check;
+  if (scene.drive) validate(*scene.drive);
   check_terrain(scene.terrain, check);
   check_objects(scene, check);
   check_cameras(scene, check);

@@ -12,6 +12,7 @@
 #include "geometry/primitives.hpp"
 #include "geometry/triangle_mesh.hpp"
 #include "geometry/vec.hpp"
+#include "simulation/drive_spec.hpp"
 #include "simulation/render.hpp"
 #include "simulation/sampled_cloud.hpp"
 #include "simulation/shape.hpp"
@@ -143,14 +144,15 @@ struct Clutter {
 };
 
 struct Detector {
-  double jitter_px = 0.0;          // sigma of each edge
-  double jitter_share = 0.0;       // and of the box's width or height, added in squares
-  double miss_rate = 0.0;          // 0..1, of objects that can be detected
-  double miss_run_frames = 1.0;    // mean length of a run of misses, >= 1 / (1 - miss_rate)
-  double min_visible_share = 0.5;  // less of the outline visible = not detected
-  double min_inside_share = 0.5;   // less of the outline's box in the image = not detected
-  double min_size_px = 6.0;        // of the shorter side
-  double false_per_image = 0.0;    // mean number of sporadic false boxes (Poisson)
+  double jitter_px = 0.0;             // sigma of each edge
+  double jitter_share = 0.0;          // and of the box's width or height, added in squares
+  double miss_rate = 0.0;             // 0..1, of objects that can be detected
+  double miss_run_frames = 1.0;       // mean length of a run of misses, >= 1 / (1 - miss_rate)
+  double min_visible_share = 0.5;     // less of the outline visible = not detected
+  double min_inside_share = 0.5;      // less of the outline's box in the image = not detected
+  double min_size_px = 6.0;           // of the shorter side
+  std::vector<std::string> blind_to;  // classes that it was not trained for: never detected
+  double false_per_image = 0.0;       // mean number of sporadic false boxes (Poisson)
   double false_size_lo_px = 15.0, false_size_hi_px = 80.0;
   double score_mean = 0.8, score_sigma = 0.1;               // of boxes of objects, kept in 0.05..1
   double false_score_mean = 0.5, false_score_sigma = 0.15;  // of false ones
@@ -188,6 +190,7 @@ struct Scene {
   Detector detector;
   std::vector<Confusion> confusions;
   Products products;
+  std::optional<DriveSpec> drive;  // a ground vehicle; drawn only by a drive (drive_rehearsal.hpp)
 };
 
 // Paper A's camera (R200 as in its simulator): 640x480, hfov 80 deg, fx = fy = 381.36 px.

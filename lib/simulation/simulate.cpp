@@ -17,7 +17,6 @@
 namespace cairn::simulation {
 namespace {
 
-constexpr double kStart_s = 1.0;  // time of the first frame on the vehicle's clock
 constexpr std::size_t kMaxFrames = 10'000'000;
 
 std::string image_name(std::size_t id, const Products& products) {
@@ -78,7 +77,7 @@ void add_frames(const Scene& scene, std::uint64_t seed, const std::vector<Exposu
   for (std::size_t i = 0; i < exposures.size(); ++i) {
     survey::Frame frame;
     frame.id = survey::FrameId(static_cast<std::int64_t>(i) + 1);
-    frame.time_ns = static_cast<std::int64_t>(std::llround((kStart_s + times[i]) * 1e9));
+    frame.time_ns = static_cast<std::int64_t>(std::llround((kFirstFrame_s + times[i]) * 1e9));
     frame.camera = scene.cameras[exposures[i].camera].id;
     frame.image = image_name(i + 1, scene.products);
     frame.T_world_camera = poses[i];
@@ -100,9 +99,30 @@ geometry::TriangleMesh checked_terrain(const Scene& scene) {
   return mesh;
 }
 
-std::vector<Exposure> checked_flight(const Scene& scene, const Ground& ground,
+// The flights again and again, at most this often.
+constexpr int kMostRounds = 1000;
+
+std::vector<Exposure> flown_until(const Scene& scene, double least_duration_s, const Ground& ground,
+                                  const std::vector<PlacedObject>& objects) {
+  Scene rounds = scene;
+  auto exposures = fly(rounds, ground, objects);
+  for (int round = 1; !exposures.empty() && exposures.back().time_s < least_duration_s && round < kMostRounds;
+       round *= 2) {
+    const auto flights = rounds.flights;
+    for (auto flight : flights) {
+      flight.record_transit = true;
+      rounds.flights.push_back(std::move(flight));
+    }
+    exposures = fly(rounds, ground, objects);
+  }
+  std::erase_if(exposures, [&](const Exposure& e) { return e.time_s > least_duration_s; });
+  return exposures;
+}
+
+std::vector<Exposure> checked_flight(const Scene& scene, double least_duration_s, const Ground& ground,
                                      const std::vector<PlacedObject>& objects) {
-  auto exposures = fly(scene, ground, objects);
+  auto exposures =
+      least_duration_s > 0.0 ? flown_until(scene, least_duration_s, ground, objects) : fly(scene, ground, objects);
   if (exposures.empty())
     throw base::Error(base::ErrorCode::failed_precondition, "no frame is taken on these flights").record("flights");
   if (exposures.size() > kMaxFrames)
@@ -115,12 +135,12 @@ std::vector<Exposure> checked_flight(const Scene& scene, const Ground& ground,
 }  // namespace
 
 struct Rehearsal::Impl {
-  Impl(const Scene& s, base::RunContext& ctx)
+  Impl(const Scene& s, double least_duration_s, base::RunContext& ctx)
       : scene(s),
         terrain(checked_terrain(s)),
         ground(terrain),
         objects(place_objects(s, ground)),
-        exposures(checked_flight(s, ground, objects)),
+        exposures(checked_flight(s, least_duration_s, ground, objects)),
         obstruction(terrain, objects),
         boxes(true_boxes(s, exposures, objects, obstruction, ctx)) {}
 
@@ -133,10 +153,30 @@ struct Rehearsal::Impl {
   std::vector<std::vector<SeenBox>> boxes;  // of each exposure
 };
 
-Rehearsal::Rehearsal(const Scene& scene, base::RunContext& ctx) : impl_(std::make_unique<Impl>(scene, ctx)) {}
+Rehearsal::Rehearsal(const Scene& scene, base::RunContext& ctx, double least_duration_s)
+    : impl_(std::make_unique<Impl>(scene, least_duration_s, ctx)) {}
 Rehearsal::~Rehearsal() = default;
 Rehearsal::Rehearsal(Rehearsal&&) noexcept = default;
 Rehearsal& Rehearsal::operator=(Rehearsal&&) noexcept = default;
+
+const Scene& Rehearsal::scene() const {
+  return impl_->scene;
+}
+const geometry::TriangleMesh& Rehearsal::terrain() const {
+  return impl_->terrain;
+}
+const Ground& Rehearsal::ground() const {
+  return impl_->ground;
+}
+const std::vector<PlacedObject>& Rehearsal::objects() const {
+  return impl_->objects;
+}
+const std::vector<Exposure>& Rehearsal::exposures() const {
+  return impl_->exposures;
+}
+const Obstruction& Rehearsal::obstruction() const {
+  return impl_->obstruction;
+}
 
 Recording Rehearsal::record(std::uint64_t seed) const {
   const Scene& scene = impl_->scene;

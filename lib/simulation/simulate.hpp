@@ -8,12 +8,16 @@
 
 #include "base/run_context.hpp"
 #include "geometry/triangle_mesh.hpp"
+#include "simulation/flight.hpp"
+#include "simulation/object_boxes.hpp"
 #include "simulation/scene.hpp"
 #include "simulation/shape.hpp"
 #include "survey/survey.hpp"
 #include "survey/truth.hpp"
 
 namespace cairn::simulation {
+
+inline constexpr double kFirstFrame_s = 1.0;  // time of the first frame on the vehicle's clock
 
 struct Recording {
   survey::Survey survey;           // noisy poses and detections; no tie points
@@ -32,7 +36,8 @@ class Rehearsal {
  public:
   // Throws invalid_argument (see validate), failed_precondition where the scene does not fit together.
   // Cost: linear in frames times objects in view (a cheap test for those out of view), about 20 us a true box.
-  Rehearsal(const Scene& scene, base::RunContext& ctx);
+  // least_duration_s > 0: the flights are flown again, ways between them included, until then, and cut off there.
+  Rehearsal(const Scene& scene, base::RunContext& ctx, double least_duration_s = 0.0);
   ~Rehearsal();
   Rehearsal(Rehearsal&&) noexcept;
   Rehearsal& operator=(Rehearsal&&) noexcept;
@@ -43,6 +48,14 @@ class Rehearsal {
   // scene asks for images. No pictures are made here: the renderer takes shapes, terrain and truth.frames.
   // A detection's box is of the raw image; the true box is that of the whole exposed outline, hidden parts included.
   [[nodiscard]] Recording record(std::uint64_t seed) const;
+
+  // What was flown over and with; references live as long as this.
+  [[nodiscard]] const Scene& scene() const;
+  [[nodiscard]] const geometry::TriangleMesh& terrain() const;
+  [[nodiscard]] const Ground& ground() const;
+  [[nodiscard]] const std::vector<PlacedObject>& objects() const;
+  [[nodiscard]] const std::vector<Exposure>& exposures() const;
+  [[nodiscard]] const Obstruction& obstruction() const;
 
  private:
   struct Impl;

@@ -3,10 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <limits>
 
 #include "base/random.hpp"
 #include "ground/costmap.hpp"
+#include "ground/dijkstra.hpp"
 
 namespace cairn::ground {
 namespace {
@@ -42,37 +42,6 @@ TEST(FindRoute, SaysWhyThereIsNone) {
   EXPECT_EQ(find_route(map_of({"..."}), {0, 0}, {5, 2}, kShortest, ctx).reason, "goal_blocked");
 }
 
-// Oracle: Bellman-Ford relaxation until nothing changes.
-double brute_force(const Grid<std::uint8_t>& cost, const Cell& start, const Cell& goal, double weight) {
-  const auto rows = static_cast<int>(cost.geometry.rows), columns = static_cast<int>(cost.geometry.columns);
-  const auto at = [&](int r, int c) { return cost.values[static_cast<std::size_t>(r * columns + c)]; };
-  const auto free = [&](int r, int c) { return r >= 0 && c >= 0 && r < rows && c < columns && at(r, c) < kInscribed; };
-  const auto factor = [&](int r, int c) { return 1.0 + weight * at(r, c) / 252.0; };
-  std::vector<double> best(cost.values.size(), std::numeric_limits<double>::infinity());
-  best[start.first * cost.geometry.columns + start.second] = 0.0;
-  for (bool changed = true; changed;) {
-    changed = false;
-    for (int r = 0; r < rows; ++r)
-      for (int c = 0; c < columns; ++c) {
-        if (!free(r, c)) continue;
-        for (int dr = -1; dr <= 1; ++dr)
-          for (int dc = -1; dc <= 1; ++dc) {
-            if ((dr == 0 && dc == 0) || !free(r + dr, c + dc)) continue;
-            if (dr != 0 && dc != 0 && (!free(r + dr, c) || !free(r, c + dc))) continue;
-            const double step = std::sqrt(static_cast<double>(dr * dr + dc * dc));
-            const double d = best[static_cast<std::size_t>((r + dr) * columns + c + dc)] +
-                             step * 0.5 * (factor(r, c) + factor(r + dr, c + dc));
-            auto& here = best[static_cast<std::size_t>(r * columns + c)];
-            if (d < here - 1e-12) {
-              here = d;
-              changed = true;
-            }
-          }
-      }
-  }
-  return best[goal.first * cost.geometry.columns + goal.second];
-}
-
 TEST(FindRoute, IsOptimalOnRandomMaps) {
   base::Random random(1, "route", 0);
   base::RunContext ctx;
@@ -87,7 +56,7 @@ TEST(FindRoute, IsOptimalOnRandomMaps) {
     cost.at(goal.first, goal.second) = 0;
     const double weight = trial % 2 == 0 ? 0.0 : 5.0;
     const auto route = find_route(cost, start, goal, {weight, false}, ctx);
-    const double expected = brute_force(cost, start, goal, weight);
+    const double expected = testing::dijkstra(cost, start, goal, weight);
     ASSERT_EQ(route.found, std::isfinite(expected));
     if (!route.found) continue;
     ++found;
