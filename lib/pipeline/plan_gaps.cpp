@@ -12,6 +12,7 @@
 #include "coverage/gaps.hpp"
 #include "coverage/target_audit.hpp"
 #include "geodesy/local_frame.hpp"
+#include "io/targets_json.hpp"
 #include "pipeline/audited_surface.hpp"
 #include "pipeline/coverage_targets.hpp"
 #include "pipeline/coverage_views.hpp"
@@ -154,6 +155,25 @@ void add_targets(Wanted& wanted, const coverage::TargetsAudit& audit, const cove
   }
 }
 
+// Leaves targets of other classes out; "" keeps all.
+void keep_classes(std::vector<coverage::TargetBody>& bodies, std::vector<base::Reject>& rejects,
+                  const fs::path& targets, const std::string& classes) {
+  if (classes.empty()) return;
+  const io::TargetsFile file = io::read_targets(targets);
+  const auto other = [&](const std::string& name) {
+    return ("," + classes + ",").find("," + name + ",") == std::string::npos;
+  };
+  std::erase_if(bodies, [&](const coverage::TargetBody& body) {
+    const survey::Target* target = file.find(body.id);
+    return target == nullptr || other(target->object_class);
+  });
+  std::erase_if(rejects, [&](const base::Reject& reject) {
+    return std::any_of(file.targets.begin(), file.targets.end(), [&](const survey::Target& t) {
+      return other(t.object_class) && reject.record == "target " + std::to_string(t.id.value);
+    });
+  });
+}
+
 // Every n-th demand stands for n: at most `most`.
 void thin(std::vector<Demand>& demands, std::size_t most) {
   const std::size_t every = (demands.size() + most - 1) / std::max<std::size_t>(most, 1);
@@ -291,6 +311,7 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
     auto read = read_coverage_targets(audited.targets, audited.contacts, views.origin);
     bodies = std::move(read.bodies);
     plan.rejects = std::move(read.rejects);
+    keep_classes(bodies, plan.rejects, audited.targets, options.gaps.classes);
   }
   const bool see_targets = options.gaps.scope == "targets" || options.gaps.scope == "both" ||
                            (options.gaps.scope == "auto" && !bodies.empty());
@@ -354,7 +375,8 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
   const auto candidates =
       planning::candidate_views(wanted.demands, mission.camera, plan.surface, options.clearance, candidate_options);
   const auto frames = frames_of(candidates.candidates, mission.camera.id);
-  const double reach = 2.0 * std::max(candidate_options.most_range_m, options.gaps.range_m);
+  // Farther off a view finds little at its sampling distance.
+  const double reach = 2.5 * candidates.farthest_m;
   // A little inside the frame: the vehicle holds its place only so well.
   const double margin = std::max(0.02, audited.visibility.frame_margin);
   const auto seen = planning::sights(frames, mission.camera, wanted.demands, standing, gates, reach, margin, end_gap);
@@ -404,12 +426,19 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
   if (see_targets) {
     const auto after = audit_targets(both);
     double wall_before = 1.0, wall_after = 1.0, top_after = 1.0;
+    double area = 0.0, passed_before = 0.0, passed_after = 0.0;
     for (std::size_t i = 0; i < after.targets.size(); ++i) {
+      const double a = after.targets[i].wall.area_m2;
+      area += a;
+      passed_before += a * targets_before.targets[i].wall.completeness();
+      passed_after += a * after.targets[i].wall.completeness();
       wall_before = std::min(wall_before, targets_before.targets[i].wall.completeness());
       wall_after = std::min(wall_after, after.targets[i].wall.completeness());
       top_after = std::min(top_after, after.targets[i].top.completeness());
     }
     figures.emplace_back("targets", after.targets.size());
+    figures.emplace_back("walls_before", area > 0.0 ? passed_before / area : 0.0);
+    figures.emplace_back("walls_after", area > 0.0 ? passed_after / area : 0.0);
     figures.emplace_back("least_wall_before", wall_before);
     figures.emplace_back("least_wall_after", wall_after);
     figures.emplace_back("least_top_after", top_after);
