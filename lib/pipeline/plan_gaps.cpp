@@ -87,6 +87,7 @@ Audited read_audited(const PlanInputs& in) {
     audited.target_options.visit(visitor);
   } else {
     // A recipe's products.
+    if (const io::Json* arguments = run.find("arguments")) audited.views = named(*arguments, "survey");
     if (fs::exists(in.coverage / "surface.tif")) audited.surface = in.coverage / "surface.tif";
     if (fs::exists(in.coverage / "targets.json")) audited.targets = in.coverage / "targets.json";
   }
