@@ -217,7 +217,9 @@ Outcome route_stage(const std::filesystem::path& costmap, const std::filesystem:
   io::Json file = outcome.summary;
   file.set("path_m", path_json(corners));
   base::write_file(out / "route.json", file.dump() + "\n");
-  io::write_geojson(out / "route.geojson", route_layer(lines, raster.crs));
+  // The plane of a ROS map that nothing georeferences: 'cairn costmap' declares an engineering CRS for it.
+  if (raster.crs.rfind("ENGCRS", 0) == 0) ctx.warn("route: nothing says where the costmap lies; no route.geojson");
+  else io::write_geojson(out / "route.geojson", route_layer(lines, raster.crs));
   return outcome;
 }
 
