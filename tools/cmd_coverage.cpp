@@ -22,7 +22,7 @@ class CoverageCommand final : public Command {
   void declare(Arguments& arguments) override {
     arguments.option("surface", in_.surface, "surface: GeoTIFF of heights, mesh, cloud, or targets.json");
     arguments.option("views", in_.views, "survey folder, or table of cameras");
-    arguments.choice("format", in_.format, {"auto", "survey", "pinhole-table"}, "what --views is");
+    arguments.choice("format", in_.format, {"auto", "survey", "mission", "pinhole-table"}, "what --views is");
     arguments.option("targets", in_.targets, "targets.json: a pass or fail row for each");
     arguments.option("contacts", in_.contacts, "contact.csv of those targets: where they rest");
     arguments.option("point", in_.points, "EAST,NORTH[,UP] in metres: which frames saw it; may be given many times");

@@ -28,43 +28,6 @@ std::optional<base::Reject> unusable(const TargetBody& body) {
   return std::nullopt;
 }
 
-// The surface without what the cylinders stand for, and the cylinders.
-TriangleMesh occluders(const TriangleMesh& surface, const std::vector<TargetBody>& bodies,
-                       const TriangleMesh& cylinders, double clearance) {
-  constexpr double kFoot = 0.15;  // of the height: below that the surface is the ground
-  std::vector<const VerticalCylinder*> by_east;
-  double reach = 0.0;
-  for (const TargetBody& body : bodies) {
-    by_east.push_back(&body.cylinder);
-    reach = std::max(reach, body.cylinder.radius + clearance);
-  }
-  std::stable_sort(by_east.begin(), by_east.end(),
-                   [](const auto* a, const auto* b) { return a->axis.x() < b->axis.x(); });
-  TriangleMesh result;
-  result.vertices = surface.vertices;
-  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
-    const geometry::Triangle& t = surface.triangles[f];
-    const std::size_t count = surface.vertices.size();
-    if (t[0] >= count || t[1] >= count || t[2] >= count) continue;
-    const Vec3 c = surface.centroid(f);
-    const double top = std::max({surface.vertices[t[0]].z(), surface.vertices[t[1]].z(), surface.vertices[t[2]].z()});
-    auto near = std::lower_bound(by_east.begin(), by_east.end(), c.x() - reach,
-                                 [](const auto* cylinder, double x) { return cylinder->axis.x() < x; });
-    bool part = false;
-    for (; !part && near != by_east.end() && (*near)->axis.x() <= c.x() + reach; ++near) {
-      const VerticalCylinder& body = **near;
-      part = (c.head<2>() - body.axis).norm() <= body.radius + clearance && top > body.bottom + kFoot * body.height() &&
-             c.z() <= body.top + clearance;
-    }
-    if (!part) result.triangles.push_back(t);
-  }
-  const auto offset = static_cast<std::uint32_t>(result.vertices.size());
-  result.vertices.insert(result.vertices.end(), cylinders.vertices.begin(), cylinders.vertices.end());
-  for (const geometry::Triangle& t : cylinders.triangles)
-    result.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
-  return result;
-}
-
 // Height above the cylinder's bottom at which each sector's wall comes out of the ground: that of the surface just
 // outside, seen from above. 0 where there is none, or something stands there.
 std::array<double, kSectors> foot_of(const VerticalCylinder& c, const visibility::Scene& scene, double clearance) {
@@ -168,6 +131,42 @@ void decide(TargetAudit& target, const TargetOptions& options) {
 
 }  // namespace
 
+TriangleMesh target_occluders(const TriangleMesh& surface, const std::vector<TargetBody>& bodies,
+                              const TriangleMesh& cylinders, double clearance) {
+  constexpr double kFoot = 0.15;  // of the height: below that the surface is the ground
+  std::vector<const VerticalCylinder*> by_east;
+  double reach = 0.0;
+  for (const TargetBody& body : bodies) {
+    by_east.push_back(&body.cylinder);
+    reach = std::max(reach, body.cylinder.radius + clearance);
+  }
+  std::stable_sort(by_east.begin(), by_east.end(),
+                   [](const auto* a, const auto* b) { return a->axis.x() < b->axis.x(); });
+  TriangleMesh result;
+  result.vertices = surface.vertices;
+  for (std::size_t f = 0; f < surface.triangles.size(); ++f) {
+    const geometry::Triangle& t = surface.triangles[f];
+    const std::size_t count = surface.vertices.size();
+    if (t[0] >= count || t[1] >= count || t[2] >= count) continue;
+    const Vec3 c = surface.centroid(f);
+    const double top = std::max({surface.vertices[t[0]].z(), surface.vertices[t[1]].z(), surface.vertices[t[2]].z()});
+    auto near = std::lower_bound(by_east.begin(), by_east.end(), c.x() - reach,
+                                 [](const auto* cylinder, double x) { return cylinder->axis.x() < x; });
+    bool part = false;
+    for (; !part && near != by_east.end() && (*near)->axis.x() <= c.x() + reach; ++near) {
+      const VerticalCylinder& body = **near;
+      part = (c.head<2>() - body.axis).norm() <= body.radius + clearance && top > body.bottom + kFoot * body.height() &&
+             c.z() <= body.top + clearance;
+    }
+    if (!part) result.triangles.push_back(t);
+  }
+  const auto offset = static_cast<std::uint32_t>(result.vertices.size());
+  result.vertices.insert(result.vertices.end(), cylinders.vertices.begin(), cylinders.vertices.end());
+  for (const geometry::Triangle& t : cylinders.triangles)
+    result.triangles.push_back({t[0] + offset, t[1] + offset, t[2] + offset});
+  return result;
+}
+
 TargetsAudit audit_targets(const TriangleMesh& surface, std::span<const std::uint8_t> observed,
                            const visibility::Scene& scene, const std::vector<TargetBody>& bodies, const ViewSet& views,
                            const CoverageOptions& visibility, const GateOptions& gates, const TargetOptions& options,
@@ -192,7 +191,7 @@ TargetsAudit audit_targets(const TriangleMesh& surface, std::span<const std::uin
 
   CoverageOptions with_metrics = visibility;
   with_metrics.metrics = true;
-  const visibility::Scene standing(occluders(surface, usable, result.mesh, options.clearance_m));
+  const visibility::Scene standing(target_occluders(surface, usable, result.mesh, options.clearance_m));
   result.metrics = coverage(result.mesh, standing, views, with_metrics, ctx);
   result.verdicts.assign(result.mesh.triangles.size(), Verdict::no_data);
   for (std::size_t i = 0; i < usable.size(); ++i) {

@@ -81,6 +81,12 @@ struct TargetsAudit {
   FacetCoverage metrics;
 };
 
+// What may stand in the way of looking at targets: the surface without what lies within `clearance` of a cylinder and
+// above the lowest 15 % of its height, and `cylinders`, the mesh of all of them.
+[[nodiscard]] geometry::TriangleMesh target_occluders(const geometry::TriangleMesh& surface,
+                                                      const std::vector<TargetBody>& bodies,
+                                                      const geometry::TriangleMesh& cylinders, double clearance);
+
 // What may stand in the way: the surface without what lies within `clearance` of a target and above its foot (there the
 // surface is the target itself, as coarse as its cells), and the cylinders in its place. Below the ground (the surface
 // beside the wall, where that is lower than half the target's height) facets are buried and left out.

@@ -4,12 +4,31 @@
 #include <utility>
 
 #include "io/camera_table.hpp"
+#include "io/mission_json.hpp"
 #include "io/survey_folder.hpp"
 
 namespace cairn::pipeline {
 namespace fs = std::filesystem;
 
+namespace {
+
+CoverageViews views_of_mission(const fs::path& path) {
+  const survey::Mission mission = io::read_mission(path);
+  CoverageViews views;
+  views.origin = mission.origin;
+  views.set.cameras = {mission.camera};
+  for (const survey::Frame& view : mission.views) views.set.views.push_back({view.id, 0, view.T_world_camera});
+  return views;
+}
+
+}  // namespace
+
 CoverageViews read_coverage_views(const fs::path& path, const std::string& format) {
+  // A planned mission, or the folder that `cairn plan` wrote.
+  const fs::path in_folder = path / "mission.json";
+  if (format == "mission" || (format == "auto" && fs::is_directory(path) && fs::exists(in_folder)))
+    return views_of_mission(fs::is_directory(path) ? in_folder : path);
+  if (format == "auto" && fs::is_regular_file(path) && io::is_mission_file(path)) return views_of_mission(path);
   CoverageViews views;
   if (format == "pinhole-table" || (format == "auto" && !fs::is_directory(path))) {
     for (const io::TableView& row : io::read_camera_table(path)) {

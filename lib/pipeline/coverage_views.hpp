@@ -1,4 +1,4 @@
-// The views of a coverage audit: the frames of a survey, or a table of cameras.
+// The views of a coverage audit: the frames of a survey, the images of a planned mission, or a table of cameras.
 #pragma once
 
 #include <filesystem>
@@ -19,7 +19,8 @@ struct CoverageViews {
   std::optional<survey::Survey> survey;  // where the views are its frames, in their order without those rejected
 };
 
-// format: "auto" (a folder is a survey, a file is a camera table), "survey", "pinhole-table". Throws as the readers do.
+// format: "auto" (a folder with mission.json and such a file are a mission, another folder is a survey, another file a
+// camera table), "survey", "mission", "pinhole-table". Throws as the readers do.
 [[nodiscard]] CoverageViews read_coverage_views(const std::filesystem::path& path, const std::string& format);
 
 }  // namespace cairn::pipeline

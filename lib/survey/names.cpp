@@ -4,6 +4,7 @@
 
 #include "survey/camera.hpp"
 #include "survey/manifest.hpp"
+#include "survey/mission.hpp"
 #include "survey/obstacle.hpp"
 #include "survey/rock.hpp"
 #include "survey/target.hpp"
@@ -37,6 +38,12 @@ constexpr Names<HeightType, 4> kHeightTypes{{{HeightType::ellipsoidal, "ellipsoi
                                              {HeightType::orthometric, "orthometric"},
                                              {HeightType::relative_takeoff, "relative_takeoff"},
                                              {HeightType::unknown, "unknown"}}};
+constexpr Names<MissionKind, 3> kMissionKinds{
+    {{MissionKind::lawnmower, "lawnmower"}, {MissionKind::cylinder, "cylinder"}, {MissionKind::gaps, "gaps"}}};
+constexpr Names<WaypointRole, 4> kWaypointRoles{{{WaypointRole::lane, "lane"},
+                                                 {WaypointRole::circle, "circle"},
+                                                 {WaypointRole::view, "view"},
+                                                 {WaypointRole::transit, "transit"}}};
 constexpr Names<Confidence, 3> kConfidences{
     {{Confidence::declared, "declared"}, {Confidence::inferred, "inferred"}, {Confidence::assumed, "assumed"}}};
 
@@ -91,6 +98,18 @@ std::string_view name_of(HeightType type) {
 }
 std::optional<HeightType> height_type_from(std::string_view name) {
   return value_in(kHeightTypes, name);
+}
+std::string_view name_of(MissionKind kind) {
+  return name_in(kMissionKinds, kind);
+}
+std::optional<MissionKind> mission_kind_from(std::string_view name) {
+  return value_in(kMissionKinds, name);
+}
+std::string_view name_of(WaypointRole role) {
+  return name_in(kWaypointRoles, role);
+}
+std::optional<WaypointRole> waypoint_role_from(std::string_view name) {
+  return value_in(kWaypointRoles, name);
 }
 std::string_view name_of(Confidence confidence) {
   return name_in(kConfidences, confidence);

@@ -121,7 +121,8 @@ TEST_F(RouteCommand, DrivesRoundWhatOnlyTheScannerSees) {
   const auto hidden = (folder_ / "hidden.json").string();
   cairn::io::write_obstacles(
       hidden, {{cairn::testing::kSmallGroundOrigin, cairn::survey::HeightType::ellipsoidal, ""}, {cone}});
-  const auto result = run({"--from-local", "0.6,2", "--to-local", "0.6,7.2", "--drive", "--hidden", hidden});
+  const auto result =
+      run({"--from-local", "0.6,2", "--to-local", "0.6,7.2", "--drive", "--hidden", hidden, "--scan-range-max-m", "2"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto drive = cairn::io::parse_json(result.out, "stdout").at("drive");
   EXPECT_EQ(drive.at("collisions").as_integer(), 0);
