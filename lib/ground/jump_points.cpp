@@ -63,18 +63,27 @@ BlockedBits::BlockedBits(const geometry::Grid<std::uint8_t>& cost, const std::ve
 
 namespace {
 
-// Cell numbers within the border, as row * 2^32 + column would be, but small enough to index a table.
+// Row and column within the border.
 struct Point {
   std::int32_t row, column;
   friend bool operator==(const Point&, const Point&) = default;
 };
 
+// Ways in which a cell is reached on shortest paths, as bits; what follows from each is different.
+constexpr std::array<Point, 4> kWays{{{-1, 0}, {0, -1}, {0, 1}, {1, 0}}};
+constexpr std::uint8_t kDiagonally = 16;  // the goal only
+constexpr std::uint8_t kStart = 32;
+
+std::uint8_t way_of(int row_step, int column_step) {
+  if (row_step != 0 && column_step != 0) return kDiagonally;
+  return row_step != 0 ? (row_step < 0 ? 1 : 8) : (column_step < 0 ? 2 : 4);
+}
+
 struct Node {
   Point at;
   std::int32_t straight, diagonal;  // steps from the start
   std::uint32_t parent;
-  std::int8_t row_step, column_step;  // direction of arrival; 0, 0 = the start
-  bool closed = false;
+  std::uint8_t ways, done;  // of arrival at this distance; those already followed
 };
 
 struct Entry {
@@ -88,7 +97,7 @@ struct Entry {
   }
 };
 
-// Nodes by place and direction of arrival, open addressing. Only looked up, never walked through.
+// Nodes by place, open addressing. Only looked up, never walked through.
 class NodeTable {
  public:
   // Slot of a key: the node's number, or a free slot that the caller fills.
@@ -179,21 +188,23 @@ std::int32_t scan_down(const BlockedBits::Lines& map, std::int32_t line, std::in
 
 class Search {
  public:
-  Search(const BlockedBits& map, Point start, Point goal) : map_(map), goal_(goal) { push(start, 0, 0, 0, 0, 0); }
+  Search(const BlockedBits& map, Point start, Point goal) : map_(map), goal_(goal) { push(start, 0, 0, 0, kStart); }
 
   JumpPath run(base::RunContext& ctx) {
     JumpPath result;
     while (!open_.empty()) {
       const Entry entry = open_.top();
       open_.pop();
-      if (nodes_[entry.node].closed) continue;
-      nodes_[entry.node].closed = true;
+      Node& node = nodes_[entry.node];
+      const auto ways = static_cast<std::uint8_t>(node.ways & ~node.done);
+      if (ways == 0) continue;
+      node.done |= ways;
       if (++result.expansions % kStopInterval == 0) ctx.check_stop();
-      if (nodes_[entry.node].at == goal_) {
+      if (node.at == goal_) {
         trace(entry.node, result);
         return result;
       }
-      expand(entry.node);
+      expand(entry.node, ways);
     }
     return result;
   }
@@ -203,29 +214,27 @@ class Search {
     return static_cast<double>(straight) + static_cast<double>(diagonal) * std::numbers::sqrt2;
   }
 
-  void push(Point at, std::int32_t straight, std::int32_t diagonal, std::uint32_t parent, int row_step,
-            int column_step) {
-    const double travelled = length(straight, diagonal);
-    // The goal is one node, whichever way it is reached.
-    const int direction = at == goal_ ? 4 : (row_step + 1) * 3 + column_step + 1;
-    const std::uint64_t key = (static_cast<std::uint64_t>(at.row) << 36) |
-                              (static_cast<std::uint64_t>(at.column) << 4) | static_cast<std::uint64_t>(direction + 1);
+  void push(Point at, std::int32_t straight, std::int32_t diagonal, std::uint32_t parent, std::uint8_t way) {
+    const std::uint64_t key = (static_cast<std::uint64_t>(at.row) << 32 | static_cast<std::uint64_t>(at.column)) + 1;
     std::uint32_t& number = table_.slot(key);
-    if (number != 0) {
-      Node& known = nodes_[number - 1];
-      if (known.closed || length(known.straight, known.diagonal) <= travelled) return;
-      known.straight = straight;
-      known.diagonal = diagonal;
-      known.parent = parent;
-    } else {
-      nodes_.push_back({at, straight, diagonal, parent, static_cast<std::int8_t>(row_step),
-                        static_cast<std::int8_t>(column_step), false});
+    if (number == 0) {
+      nodes_.push_back({at, straight, diagonal, parent, way, 0});
       number = static_cast<std::uint32_t>(nodes_.size());
+    } else {
+      Node& known = nodes_[number - 1];
+      // Equal lengths are equal numbers of steps: the square root of two is not a fraction.
+      if (known.straight == straight && known.diagonal == diagonal) {
+        if ((known.ways & way) != 0) return;
+        known.ways |= way;
+      } else {
+        if (length(known.straight, known.diagonal) < length(straight, diagonal)) return;
+        known = {at, straight, diagonal, parent, way, 0};
+      }
     }
     // What is left at best, in whole steps of either kind.
     const std::int32_t rows = std::abs(at.row - goal_.row), columns = std::abs(at.column - goal_.column);
     const std::int32_t both = std::min(rows, columns), rest = std::max(rows, columns) - both;
-    open_.push({length(straight + rest, diagonal + both), travelled, number - 1});
+    open_.push({length(straight + rest, diagonal + both), length(straight, diagonal), number - 1});
   }
 
   // Straight from a place; what stops the scan becomes a node.
@@ -235,12 +244,14 @@ class Search {
       const std::int32_t goal = from.row == goal_.row ? goal_.column : 0;
       const std::int32_t stop = column_step > 0 ? scan_up(map_.rows, from.row, from.column, goal)
                                                 : scan_down(map_.rows, from.row, from.column, goal);
-      if (stop != 0) push({from.row, stop}, steps + std::abs(stop - from.column), diagonal, parent, 0, column_step);
+      if (stop != 0)
+        push({from.row, stop}, steps + std::abs(stop - from.column), diagonal, parent, way_of(0, column_step));
     } else {
       const std::int32_t goal = from.column == goal_.column ? goal_.row : 0;
       const std::int32_t stop = row_step > 0 ? scan_up(map_.columns, from.column, from.row, goal)
                                              : scan_down(map_.columns, from.column, from.row, goal);
-      if (stop != 0) push({stop, from.column}, steps + std::abs(stop - from.row), diagonal, parent, row_step, 0);
+      if (stop != 0)
+        push({stop, from.column}, steps + std::abs(stop - from.row), diagonal, parent, way_of(row_step, 0));
     }
   }
 
@@ -255,7 +266,7 @@ class Search {
       from = next;
       ++diagonal;
       if (from == goal_) {
-        push(from, steps, diagonal, parent, row_step, column_step);
+        push(from, steps, diagonal, parent, kDiagonally);
         return;
       }
       straight(from, row_step, 0, parent, steps, diagonal);
@@ -263,27 +274,30 @@ class Search {
     }
   }
 
-  void expand(std::uint32_t number) {
+  void expand(std::uint32_t number, std::uint8_t ways) {
     const Node node = nodes_[number];
     const Point at = node.at;
-    const int dr = node.row_step, dc = node.column_step;
     const auto go = [&](int row_step, int column_step) {
       if (row_step != 0 && column_step != 0) slanted(at, row_step, column_step, number, node.straight, node.diagonal);
       else straight(at, row_step, column_step, number, node.straight, node.diagonal);
     };
-    if (dr == 0 && dc == 0) {
+    if ((ways & kStart) != 0) {
       for (int row_step = -1; row_step <= 1; ++row_step)
         for (int column_step = -1; column_step <= 1; ++column_step)
           if (row_step != 0 || column_step != 0) go(row_step, column_step);
       return;
     }
-    go(dr, dc);
-    for (const int side : {-1, 1}) {
-      // Sideways of the direction of arrival; the obstacle beside the last cell has just ended.
-      const int sr = dr == 0 ? side : 0, sc = dr == 0 ? 0 : side;
-      if (!map_.blocked(at.row - dr + sr, at.column - dc + sc) || map_.blocked(at.row + sr, at.column + sc)) continue;
-      go(sr, sc);
-      go(dr + sr, dc + sc);
+    for (std::size_t way = 0; way < kWays.size(); ++way) {
+      if ((ways >> way & 1) == 0) continue;
+      const int dr = kWays[way].row, dc = kWays[way].column;
+      go(dr, dc);
+      for (const int side : {-1, 1}) {
+        // Sideways of the direction of arrival; the obstacle beside the last cell has just ended.
+        const int sr = dr == 0 ? side : 0, sc = dr == 0 ? 0 : side;
+        if (!map_.blocked(at.row - dr + sr, at.column - dc + sc) || map_.blocked(at.row + sr, at.column + sc)) continue;
+        go(sr, sc);
+        go(dr + sr, dc + sc);
+      }
     }
   }
 

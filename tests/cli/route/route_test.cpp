@@ -85,8 +85,8 @@ TEST_F(RouteCommand, SaysWhyThereIsNoRoute) {
 }
 
 TEST_F(RouteCommand, StraightensOnRequest) {
-  const auto steps = run({"--from-local", "3,4", "--to-local", "7,4.6"});
-  const auto straight = run({"--from-local", "3,4", "--to-local", "7,4.6", "--smooth"});
+  const auto steps = run({"--from-local", "0.6,7.4", "--to-local", "2.4,6.3"});
+  const auto straight = run({"--from-local", "0.6,7.4", "--to-local", "2.4,6.3", "--smooth"});
   ASSERT_EQ(straight.exit_code, 0) << straight.err;
   const auto a = cairn::io::parse_json(steps.out, "stdout"), b = cairn::io::parse_json(straight.out, "stdout");
   EXPECT_LT(b.at("length_m").as_real(), a.at("length_m").as_real());
@@ -116,12 +116,13 @@ TEST_F(RouteCommand, DrivesRoundWhatOnlyTheScannerSees) {
   cairn::survey::Obstacle cone;
   cone.target = cairn::survey::TargetId(7);
   cone.object_class = "cone";
-  cone.position = {2.5, 6.0, 1.0};
+  cone.position = {0.6, 4.6, 1.0};
   cone.width_m = 0.4;
   const auto hidden = (folder_ / "hidden.json").string();
   cairn::io::write_obstacles(
       hidden, {{cairn::testing::kSmallGroundOrigin, cairn::survey::HeightType::ellipsoidal, ""}, {cone}});
-  const auto result = run({"--from-local", "0.6,6", "--to-local", "5,6.5", "--drive", "--hidden", hidden});
+  const auto result =
+      run({"--from-local", "0.6,2", "--to-local", "0.6,7.2", "--drive", "--hidden", hidden, "--scan-range-max-m", "2"});
   ASSERT_EQ(result.exit_code, 0) << result.err;
   const auto drive = cairn::io::parse_json(result.out, "stdout").at("drive");
   EXPECT_EQ(drive.at("collisions").as_integer(), 0);
