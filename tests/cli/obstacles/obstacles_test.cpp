@@ -132,7 +132,7 @@ TEST_F(ObstaclesCommand, ProjectsWhatIsSeenOnce) {
   EXPECT_EQ(o.observations, 1U);
   EXPECT_EQ(o.first_seen_ns, s.frames.front().time_ns);
   EXPECT_EQ(file.obstacles[3].kind, cairn::survey::ObstacleKind::obstacle);
-  ASSERT_EQ(run({"--terrain", terrain_.string(), "--overwrite", "--project", "false"}).exit_code, 0);
+  ASSERT_EQ(run({"--terrain", terrain_.string(), "--overwrite", "--no-project"}).exit_code, 0);
   EXPECT_EQ(cairn::io::read_obstacles(out_ / "obstacles.json").obstacles.size(), 2U);
 }
 
