@@ -101,6 +101,7 @@ VehicleRecording read_vehicle_recording(const VehicleInputs& in, const VehicleSt
                                         base::RunContext& ctx) {
   if (!in.packets.empty() && !in.positions.empty())
     throw base::Error(base::ErrorCode::invalid_argument, "--packets and --positions exclude one another");
+  const auto offset = offset_of(options);
   const Files files = files_of(in);
   std::optional<survey::Manifest> manifest;
   if (!files.manifest.empty())
@@ -110,7 +111,6 @@ VehicleRecording read_vehicle_recording(const VehicleInputs& in, const VehicleSt
 
   VehicleRecording recording;
   recording.log = io::read_vehicle_log(files.log, in.format, origin);
-  const auto offset = offset_of(options);
   recording.packet_source = "none";
   fs::path source;
   if (!files.packets.empty()) {
