@@ -62,10 +62,10 @@ DropoutErrors dropout_errors(std::span<const VehicleState> track, std::span<cons
     const auto first = position_at(truth, begin->time_ns), last = position_at(truth, std::prev(end)->time_ns);
     if (!first || !last) continue;
     double way = 0.0;
-    std::optional<Vec2> before = first;
+    Vec2 before = *first;
     for (auto s = begin + 1; s != end; ++s) {
-      const auto here = position_at(truth, s->time_ns);
-      if (here && before) way += (*here - *before).norm();
+      const Vec2 here = position_at(truth, s->time_ns).value_or(before);
+      way += (here - before).norm();
       before = here;
     }
     if (way < min_m) continue;

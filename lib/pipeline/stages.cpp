@@ -25,18 +25,36 @@ namespace {
 
 constexpr std::uint64_t kMebibyte = 1U << 20U;
 
+// What a survey folder may hold as prior map of its ground vehicle.
+fs::path prior_of(const fs::path& survey) {
+  for (const char* name : {"prior/map.yaml", "prior.tif", "prior.gpkg", "prior.geojson"})
+    if (fs::exists(survey / name)) return survey / name;
+  return {};
+}
+
+CostmapInputs costmap_inputs(const StageInputs& in) {
+  CostmapInputs inputs;
+  inputs.obstacles = in.products / "obstacles.json";
+  inputs.surface = product(in, "terrain", "surface.tif");
+  inputs.prior = prior_of(in.survey);
+  inputs.survey = in.survey;
+  inputs.vehicle = product(in, "vehicle", "vehicle.csv");
+  if (!inputs.vehicle.empty() && fs::exists(in.survey / "lidar.csv")) inputs.scans = in.survey / "lidar.csv";
+  else inputs.vehicle.clear();
+  return inputs;
+}
+
 // A costmap of up to 20 million cells (220 m square at 5 cm); the extent is known after `terrain` only.
 std::unique_ptr<Stage> make_costmap_stage() {
   return make_function_stage<CostmapStageOptions>(
       {"costmap",
-       {"terrain", "obstacles"},
-       {},
+       {"obstacles"},
+       {"terrain", "vehicle"},
        [](const StageInputs&, const CostmapStageOptions&) -> Estimate {
          return {400 * kMebibyte, 40 * kMebibyte};
        },
        [](const StageInputs& in, const fs::path& out, const CostmapStageOptions& options, base::RunContext& ctx) {
-         return costmap_stage({in.products / "obstacles.json", in.products / "surface.tif", {}, {}, {}, {}}, out,
-                              options, ctx);
+         return costmap_stage(costmap_inputs(in), out, options, ctx);
        }});
 }
 

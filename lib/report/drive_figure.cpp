@@ -54,8 +54,8 @@ std::string points_of(const std::vector<Vec2>& points, const Frame& frame) {
   Vec2 last = Vec2::Constant(-1e9);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec2 p = frame(points[i]);
-    // Steps below half a pixel do not show.
-    if (i + 1 < points.size() && (p - last).norm() < 0.5) continue;
+    // Shorter steps do not show.
+    if (i + 1 < points.size() && (p - last).norm() < 1.5) continue;
     text += (text.empty() ? "" : " ") + svg::at(p);
     last = p;
   }

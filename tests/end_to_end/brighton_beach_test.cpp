@@ -312,4 +312,19 @@ TEST_F(BrightonBeach, ResumingAfterAKillGivesTheSameBytes) {
   EXPECT_THAT(differing(contents(to), reference), IsEmpty());
 }
 
+// Flown from above, the walls of the boulders' cylinders fail; the planned re-flight brings them above 95 %.
+TEST_F(BrightonBeach, TheReFlightSeesTheWallsOfTheBoulders) {
+  const TempFolder folder;
+  const auto plan = cairn({"plan", "gaps", out().string(), "--survey", survey().string(), "--classes", "boulder",
+                           "--max-candidates", "15000", "-o", (folder / "plan").string(), "--json"});
+  ASSERT_TRUE(plan.exit_code == 0 || plan.exit_code == 3) << plan.err;
+  const auto summary = cairn::io::parse_json(plan.out, "stdout");
+  EXPECT_GE(summary.at("targets").as_integer(), 30);
+  EXPECT_LT(summary.at("walls_before").as_real(), 0.05);
+  EXPECT_GE(summary.at("walls_after").as_real(), 0.95);
+  EXPECT_LE(summary.at("peak_speed_m_s").as_real(), 1.0);
+  EXPECT_LE(summary.at("peak_acceleration_m_s2").as_real(), 1.0);
+  EXPECT_GE(summary.at("least_clearance_m").as_real(), 2.9);
+}
+
 }  // namespace
