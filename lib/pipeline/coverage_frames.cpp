@@ -49,15 +49,26 @@ std::vector<FrameFigures> frame_figures(const CoverageViews& views, const fs::pa
   for (const coverage::View& view : views.set.views)
     axes.push_back({view.T_world_camera.translation, view.T_world_camera.rotation.col(2)});
   const auto hits = scene.cast(axes);
+  // Where the axis meets a hole: the plane at the median height of where the others meet the surface.
+  std::vector<double> heights;
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    if (hits[i].hit()) heights.push_back(axes[i].origin.z() + hits[i].distance * axes[i].direction.z());
+  std::sort(heights.begin(), heights.end());
+  const auto range_of = [&](std::size_t i) -> std::optional<double> {
+    if (hits[i].hit()) return hits[i].distance;
+    if (heights.empty()) return std::nullopt;
+    const double range = (heights[(heights.size() - 1) / 2] - axes[i].origin.z()) / axes[i].direction.z();
+    return range > 0.0 && std::isfinite(range) ? std::optional(range) : std::nullopt;
+  };
   std::vector<FrameFigures> result;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const survey::Camera& camera = views.set.cameras[views.set.views[i].camera];
     FrameFigures f;
     f.frame = views.set.views[i].frame;
-    if (hits[i].hit()) {
+    if (const auto range = range_of(i)) {
       constexpr double kMillimetres = 1000.0;
-      f.range_m = hits[i].distance;
-      f.gsd_mm = kMillimetres * hits[i].distance / std::sqrt(camera.fx_px * camera.fy_px);
+      f.range_m = *range;
+      f.gsd_mm = kMillimetres * *range / std::sqrt(camera.fx_px * camera.fy_px);
     }
     result.push_back(std::move(f));
   }

@@ -15,7 +15,7 @@ namespace cairn::pipeline {
 struct FrameFigures {
   survey::FrameId frame;
   std::string image;
-  std::optional<double> range_m;     // along the optical axis to the surface
+  std::optional<double> range_m;     // along the optical axis to the surface; over a hole to its median height
   std::optional<double> gsd_mm;      // there, square to the axis
   std::optional<double> speed_m_s;   // between the neighbours in time
   std::optional<double> exposure_s;  // of the image's EXIF

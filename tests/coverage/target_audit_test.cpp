@@ -198,7 +198,7 @@ TEST(TargetAudit, AKnownContactIsLookedAtOnTheSurface) {
   EXPECT_GT(from_below.targets[0].basal.seen_share, 0.9);
   // Cameras to the south alone see the southern quarter.
   ViewSet south = low;
-  std::erase_if(south.views, [](const View& v) { return v.T_world_camera.translation.y() > -4.5; });
+  std::erase_if(south.views, [](const View& v) { return v.T_world_camera.translation.y() > -5.5; });
   const BasalAudit basal = run(surface, {rock}, south, options).targets[0].basal;
   EXPECT_NEAR(basal.seen_share, 0.25, 0.03);
   EXPECT_GT(basal.seen_by_azimuth[kSectors / 2], 0.9);  // due south

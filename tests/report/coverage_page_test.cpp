@@ -43,6 +43,7 @@ TEST(CoveragePage, ShowsWhatWasFoundAndEscapesIt) {
   EXPECT_THAT(html, HasSubstr("fails: wall, basal band"));
   EXPECT_THAT(html, HasSubstr("0 of 1 targets pass"));
   EXPECT_THAT(html, HasSubstr("class=\"n bad\">0.60"));  // blurred more than the limit
+  EXPECT_THAT(html, HasSubstr(".share b{"));             // the bars' own style
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
   EXPECT_EQ(html, render_coverage_page(page()));

@@ -132,8 +132,6 @@ TEST_F(CoverageCommand, SameBytesForAnyThreadCount) {
   views_ = (folder_ / "survey").string();
   cairn::io::write_cog(surface_, {{"surface", "m", "", heights, std::nullopt}}, frame.raster_crs_wkt());
   cairn::testing::write_small_survey(views_, 5);
-  ASSERT_EQ(run(with({"--threads", "1"})).exit_code, 0);
-  std::vector<std::string> one;
   write_targets(1.0);
   const std::vector<std::string> products = {"coverage.json", "facets.csv",           "gaps.json",
                                              "views.tif",     "audit.html",           "coverage.gpkg",
@@ -145,6 +143,8 @@ TEST_F(CoverageCommand, SameBytesForAnyThreadCount) {
     more.insert(more.end(), queries.begin(), queries.end());
     return more;
   };
+  ASSERT_EQ(run(with({"--threads", "1"})).exit_code, 0);
+  std::vector<std::string> one;
   for (const auto& name : products) one.push_back(cairn::base::read_file(fs::path(out_) / name));
   ASSERT_EQ(run(with({"--threads", "4", "--overwrite"})).exit_code, 0);
   for (std::size_t i = 0; i < products.size(); ++i)
