@@ -1,4 +1,4 @@
-// cairn obstacles SURVEY [--targets T.json] [--terrain DSM] -o OUT
+// cairn obstacles SURVEY [--targets T.json] [--terrain DSM] [--mode paper|robust] -o OUT
 #include "io/survey_folder.hpp"
 #include "pipeline/locate_stage.hpp"
 #include "pipeline/obstacles_stage.hpp"
@@ -18,7 +18,11 @@ class ObstaclesCommand final : public Command {
     arguments.option("targets", in_.targets,
                      "targets.json of 'cairn locate'; without it the objects are located first");
     arguments.option("terrain", in_.terrain, "surface.tif of this survey: where the ground is");
-    arguments.options(base::bind_options(options_));
+    arguments.options([this](base::OptionVisitor& v) {
+      v.flag("locate", locate_, "locate objects in several images first, where no targets are given");
+      options_.visit(v);
+    });
+    arguments.example("cairn obstacles survey --mode paper --ground-up-m 0 -o obstacles_paper");
     arguments.example("cairn obstacles survey --targets out/targets.json --terrain out/surface.tif -o obstacles");
   }
 
@@ -34,22 +38,24 @@ class ObstaclesCommand final : public Command {
         out_, arguments.common.overwrite, {"obstacles", arguments.resolved(false), ctx.seed, inputs, {}, {}, {}, {}},
         [&](const fs::path& staged) {
           auto in = in_;
-          if (in.targets.empty()) {
+          if (in.targets.empty() && options_.projection.mode == "robust" && locate_) {
             static_cast<void>(pipeline::locate_stage({in_.survey, in_.terrain, {}}, staged, {}, ctx));
             in.targets = staged / "targets.json";
           }
-          return pipeline::obstacles_stage(in, staged, options_, ctx);
+          return pipeline::obstacles_stage(in, staged, options_, ctx, {true, true});
         },
         ctx);
     const auto count = [&](const char* name) { return std::to_string(outcome.summary.at(name).as_integer()); };
     return {outcome.summary, count("obstacle") + " obstacles, " + count("ignored") + " objects to pass below, " +
-                                 count("vehicle") + " vehicles, in " + out_.string() + "\n"};
+                                 count("vehicle") + " vehicles (" + count("located") + " located, " +
+                                 count("projected") + " projected), in " + out_.string() + "\n"};
   }
 
  private:
   pipeline::ObstaclesInputs in_;
   fs::path out_;
-  ground::ObstacleOptions options_;
+  bool locate_ = true;
+  pipeline::ObstaclesStageOptions options_;
 };
 
 }  // namespace

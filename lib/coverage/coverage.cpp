@@ -24,8 +24,9 @@ using geometry::Vec3;
 constexpr std::size_t kTilesAtOnce = 512;  // between two looks at the stop flag
 constexpr float kLargest = std::numeric_limits<float>::max();
 constexpr float kLeastCosine = 1e-7F;      // keeps the sampling distance of a grazing view finite
-constexpr float kLeastDepth = 1e-3F;       // m; keeps what a fisheye sees beside itself finite
+constexpr float kLeastDepth = 1e-12F;      // m; keeps what a fisheye sees beside itself finite
 constexpr float kLeastHorizontal = 1e-6F;  // of the vertical: below that a view has no azimuth
+constexpr unsigned kAzimuths = 0xFFFU;     // twelve bins
 constexpr float kNone = std::numeric_limits<float>::quiet_NaN();
 
 enum class Side { outside, inside, across };
@@ -83,8 +84,8 @@ class TileWork {
       nz_[k] = n.z();
       in_frame_[k] = facing_[k] = seen_[k] = 0;
       azimuths_[k] = 0;
-      information_[k].fill(0.0);
     }
+    for (auto& row : information_) row.fill(0.0);
   }
 
   void look(const ViewFrustum& view, Side side) {
@@ -182,8 +183,15 @@ class TileWork {
       z_[at] = lz_[i];
       gsd_[at] = lg_[i];
       versine_[at] = lv_[i];
-      azimuths_[local_[i]] = static_cast<std::uint16_t>(azimuths_[local_[i]] | lb_[i]);
-      for (std::size_t q = 0; q < 6; ++q) information_[local_[i]][q] += static_cast<double>(li_[q][i]);
+      azimuths_[local_[i]] =
+          static_cast<std::uint16_t>(azimuths_[local_[i]] | ((1U << static_cast<unsigned>(lb_[i])) & kAzimuths));
+    }
+    if (n == count_) {  // local_ counts up from 0
+      for (std::size_t q = 0; q < 6; ++q)
+        for (std::size_t k = 0; k < n; ++k) information_[q][k] += static_cast<double>(li_[q][k]);
+    } else {
+      for (std::size_t q = 0; q < 6; ++q)
+        for (std::size_t i = 0; i < n; ++i) information_[q][local_[i]] += static_cast<double>(li_[q][i]);
     }
   }
 
@@ -199,7 +207,7 @@ class TileWork {
     for (std::size_t i = 0; i < n; ++i) {
       const float x = dx_[i], y = dy_[i], z = dz_[i];
       const float depth = -(cx * x + cy * y + cz * z);
-      const float inverse = 1.0F / (depth > kLeastDepth ? depth : kLeastDepth);
+      const float inverse = 1.0F / (std::abs(depth) + kLeastDepth);
       const float u = -(ax * x + ay * y + az * z) * inverse, v = -(bx * x + by * y + bz * z) * inverse;
       const float m = std::sqrt(lm_[i]), f = fx * m * inverse, g = fy * m * inverse;
       const float px = f * (ax - u * cx), py = f * (ay - u * cy), pz = f * (az - u * cz);
@@ -222,7 +230,7 @@ class TileWork {
     }
   }
 
-  // lb_: the bit of the sight line's azimuth.
+  // lb_: the bin of the sight line's azimuth, 12 where it has none.
   void azimuth(std::size_t n) {
     constexpr float kTan30 = 0.57735027F, kTan60 = 1.7320508F;
     for (std::size_t i = 0; i < n; ++i) {
@@ -230,7 +238,7 @@ class TileWork {
       const int k = (east >= kTan30 * north ? 1 : 0) + (east >= kTan60 * north ? 1 : 0);
       const int eastern = dy_[i] >= 0.0F ? k : 5 - k, western = dy_[i] < 0.0F ? 6 + k : 11 - k;
       const int bin = dx_[i] >= 0.0F ? eastern : western;
-      lb_[i] = east + north > kLeastHorizontal * std::abs(dz_[i]) ? 1 << bin : 0;
+      lb_[i] = east + north > kLeastHorizontal * std::abs(dz_[i]) ? bin : 12;
     }
   }
 
@@ -239,7 +247,7 @@ class TileWork {
       if (seen_[k] > 0) {
         reduce(facet_[k], k * stride_, seen_[k]);
         out_.azimuths[facet_[k]] = azimuths_[k];
-        if (seen_[k] > 1) predict(facet_[k], information_[k]);
+        if (seen_[k] > 1) predict(k);
       }
   }
 
@@ -268,7 +276,10 @@ class TileWork {
     out_.parallax_second_deg[facet] = static_cast<float>(base::rad_to_deg(widest.second));
   }
 
-  void predict(std::uint32_t facet, const Information& information) {
+  void predict(std::size_t k) {
+    const std::uint32_t facet = facet_[k];
+    Information information;
+    for (std::size_t q = 0; q < 6; ++q) information[q] = information_[q][k];
     constexpr double kMillimetres = 1000.0;
     const PointSigma sigma = point_sigma(information);
     out_.sigma_max_mm[facet] = static_cast<float>(kMillimetres * sigma.largest_m);
@@ -294,7 +305,7 @@ class TileWork {
   std::array<std::array<float, kTileFacets>, 6> li_{};
   std::array<int, kTileFacets> lb_{};
   std::array<std::uint16_t, kTileFacets> azimuths_{};
-  std::array<Information, kTileFacets> information_{};
+  std::array<std::array<double, kTileFacets>, 6> information_{};
   std::vector<std::pair<const ViewFrustum*, Side>> candidates_;
   std::size_t stride_ = 0;
   std::vector<float> x_, y_, z_, gsd_, versine_;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace cairn::coverage {
 namespace {
@@ -69,9 +70,15 @@ WidestAngles widest_angles(Floats x, Floats y, Floats z, SightLines& scratch) {
   // Two sweeps find a pair that is close to the farthest; the next chords from its ends are close to the second.
   const std::size_t a = farthest(x, y, z, x[0], y[0], z[0]);
   const std::size_t b = farthest(x, y, z, x[a], y[a], z[a]);
+  const auto [low, high] = std::minmax(a, b);
   float bound = 0.0F;
-  for (std::size_t i = 0; i < x.size(); ++i)
-    if (i != a && i != b) bound = std::max({bound, squared_chord(x, y, z, i, a), squared_chord(x, y, z, i, b)});
+  for (const auto& [begin, end] : {std::pair(std::size_t{0}, low), {low + 1, high}, {high + 1, x.size()}}) {
+    if (begin >= end) continue;
+    const Floats sx = x.subspan(begin, end - begin), sy = y.subspan(begin, end - begin),
+                 sz = z.subspan(begin, end - begin);
+    bound = std::max(
+        {bound, farthest_distance(sx, sy, sz, x[a], y[a], z[a]), farthest_distance(sx, sy, sz, x[b], y[b], z[b])});
+  }
   bound = std::min(bound, squared_chord(x, y, z, a, b));
   // Any two vectors are at most as far apart as their distances to the middle of a and b together, so a vector
   // takes part in a chord of the bound's length only if its own distance and the largest one reach it.

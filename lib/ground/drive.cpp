@@ -48,9 +48,13 @@ std::optional<Cell> drivable_near(const Grid<std::uint8_t>& cost, const Vec2& p,
 
 void DriverOptions::visit(base::OptionVisitor& v) {
   route.visit(v);
+  visit_driving(v);
+}
+
+void DriverOptions::visit_driving(base::OptionVisitor& v) {
   vehicle.visit(v);
   local.visit(v);
-  v.flag("smooth", smooth, "straighten global paths before they are followed");
+  v.flag("drive-smooth", smooth, "straighten global paths before they are followed");
   v.real("goal-tolerance-m", goal_tolerance_m, 0.01, 100.0, "the goal is reached within this distance");
   v.real("replan-period-s", replan_period_s, 0.0, 1e6, "a new path is looked for at least this often; 0 = when needed");
   v.real("replan-interval-s", replan_interval_s, 0.0, 1e6, "new paths are looked for no more often than this");
@@ -83,10 +87,8 @@ Driver::Ahead Driver::ahead(const Grid<std::uint8_t>& cost) const {
   for (std::size_t i = at_; i < path_.size(); ++i) {
     const auto cell = cost.geometry.cell_at(path_[i]);
     const std::uint8_t value = cell ? cost.at(cell->first, cell->second) : kUnknown;
-    // The first steps may lead out of blocked ground.
-    if (!drivable(value, options_.route) && (i == at_ || (path_[i] - path_[at_]).norm() > options_.snap_m)) {
-      left.blocked = left.blocked || i != at_;
-    }
+    // All of the path was drivable when it was planned.
+    left.blocked = left.blocked || !drivable(value, options_.route);
     const double factor = step_factor(value, options_.route);
     if (i > at_) left.weighted_m += (path_[i] - path_[i - 1]).norm() * 0.5 * (before + factor);
     before = factor;

@@ -33,6 +33,8 @@ struct DriverOptions {
   double recovery_s = 1.5;  // a recovery's length: turns towards the path, then backs off, in turns
 
   void visit(base::OptionVisitor& v);
+  // All but the route's, for options that hold those already.
+  void visit_driving(base::OptionVisitor& v);
 };
 
 enum class DriveStatus { driving, recovering, blocked, arrived };

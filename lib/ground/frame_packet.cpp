@@ -15,8 +15,9 @@ FramePacket make_packet(std::span<const survey::Detection> detections, const sur
   result.packet.capture_time_ns = frame.time_ns;
   const GroundHeight none;
   const GroundHeight& terrain = options.mode == "paper" ? none : ground;
-  result.packet.footprint = image_footprint(camera, frame.T_world_camera, {terrain, options.ground_up_m},
-                                            options.max_range_m, options.ray_step_m);
+  result.packet.footprint =
+      image_footprint(camera, frame.T_world_camera, {terrain, options.ground_up_m},
+                      std::min(options.max_range_m, options.footprint_gsd_m * camera.fx_px), options.ray_step_m);
   for (const auto& detection : detections) {
     const auto kind = kind_of_class(detection.object_class, classes);
     if (kind == survey::ObstacleKind::ignored && !with_ignored) continue;

@@ -23,7 +23,7 @@ struct FramePacket {
 };
 
 // detections: those of the frame. Objects and vehicles come in their order. Ignored classes (trees) are left out unless
-// with_ignored. The footprint is what the image shows within options.max_range_m.
+// with_ignored. The footprint is the ground that the image shows at options.footprint_gsd_m or finer.
 [[nodiscard]] FramePacket make_packet(std::span<const survey::Detection> detections, const survey::Frame& frame,
                                       const survey::Camera& camera, const GroundHeight& ground,
                                       const ClassTable& classes, const ProjectionOptions& options,

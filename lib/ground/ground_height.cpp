@@ -30,12 +30,14 @@ std::optional<GroundHit> cast_on_ground(const geometry::Ray& ray, const Ground& 
     const Vec3 p = ray.origin + range * ray.direction;
     return p.z() - above - ground.up(p.x(), p.y());
   };
-  if (!(clearance(0.0) > 0.0)) return std::nullopt;
+  double above_ground = clearance(0.0);
+  if (!(above_ground > 0.0)) return std::nullopt;
   double before = 0.0;
   while (before < max_range) {
-    const double after = std::min(before + step, max_range);
-    if (clearance(after) > 0.0) {
+    const double after = std::min(before + std::max(step, 0.25 * above_ground), max_range);
+    if (const double here = clearance(after); here > 0.0) {
       before = after;
+      above_ground = here;
       continue;
     }
     double low = before, high = after;

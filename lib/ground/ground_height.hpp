@@ -26,9 +26,10 @@ struct GroundHit {
   bool on_terrain = false;                        // false: the plane stood in for it
 };
 
-// First point at which a ray goes under the ground raised by `above` [m]. Marches in steps of `step` [m], then halves
-// the step that crossed (to 1e-9 m). A plane alone is met exactly. Empty where the ray does not meet it within
-// max_range [m], or starts below it. Cost: max_range / step evaluations of the terrain.
+// First point at which a ray goes under the ground raised by `above` [m]. Marches in steps of a quarter of its
+// height above the ground, at least `step` [m], then halves the step that crossed (to 1e-9 m); slopes beyond 75 deg
+// that are lower than the ray's height may be stepped over. A plane alone is met exactly. Empty where the ray does not
+// meet it within max_range [m], or starts below it. Cost: some 10 to 100 evaluations of the terrain.
 [[nodiscard]] std::optional<GroundHit> cast_on_ground(const geometry::Ray& ray, const Ground& ground, double above,
                                                       double max_range, double step);
 

@@ -55,7 +55,8 @@ std::optional<Look> look_of(const geometry::Vec3& position, const Mat2& covarian
 }  // namespace
 
 void ObstacleMapOptions::visit(base::OptionVisitor& v) {
-  v.choice("memory", memory, {"paper", "robust"}, "paper: the union of all objects; robust: association over time");
+  v.choice("memory", memory, {"as_mode", "paper", "robust"},
+           "paper: the union of all objects; robust: association over time");
   v.real("gate-sigma", gate_sigma, 0.1, 100.0, "largest Mahalanobis distance of an object and an obstacle");
   v.real("max-gate-m", max_gate_m, 0.01, 1e3, "largest distance of an object and an obstacle");
   v.real("systematic-m", systematic_m, 0.0, 100.0, "1 sigma of what all looks have in common");
@@ -65,6 +66,7 @@ void ObstacleMapOptions::visit(base::OptionVisitor& v) {
   v.real("detection-probability", detection_probability, 0.01, 0.999, "of an object in view");
   v.real("false-probability", false_probability, 0.001, 0.99, "of a detection where there is nothing");
   v.real("confirm-probability", confirm_probability, 0.01, 0.9999, "obstacles are reported from here on");
+  v.real("drop-probability", drop_probability, 0.01, 0.9999, "and until below this");
   v.real("clear-probability", clear_probability, 0.0001, 0.99, "obstacles are forgotten below");
   v.real("most-probability", most_probability, 0.5, 0.999999, "evidence grows no further");
   v.real("footprint-margin-m", footprint_margin_m, 0.0, 1e3, "objects so far inside the image count as missed");
@@ -81,7 +83,7 @@ void ObstacleMapOptions::visit(base::OptionVisitor& v) {
 struct ObstacleMap::Impl {
   ObstacleMapOptions options;
   MotionRules rules;
-  double hit = 0.0, miss = 0.0, confirm = 0.0, clear = 0.0, most = 0.0;
+  double hit = 0.0, miss = 0.0, confirm = 0.0, drop = 0.0, clear = 0.0, most = 0.0;
   std::int64_t next_id = 1;
   std::int64_t newest_ns = std::numeric_limits<std::int64_t>::min();
   std::vector<ObstacleTrack> tracks;  // ascending id
@@ -220,6 +222,13 @@ struct ObstacleMap::Impl {
     }
   }
 
+  void settle() {
+    for (auto& track : tracks) {
+      if (track.log_odds >= confirm) track.confirmed = true;
+      if (track.log_odds < drop) track.confirmed = false;
+    }
+  }
+
   void forget(PacketReport& report) {
     const auto gone = [&](const ObstacleTrack& track) {
       const double silent_s = kNs * static_cast<double>(newest_ns - track.last_seen_ns);
@@ -237,6 +246,7 @@ ObstacleMap::ObstacleMap(ObstacleMapOptions options, std::int64_t first_id) : im
   impl_->hit = std::log(options.detection_probability / options.false_probability);
   impl_->miss = std::log((1.0 - options.detection_probability) / (1.0 - options.false_probability));
   impl_->confirm = log_odds(options.confirm_probability);
+  impl_->drop = std::min(impl_->confirm, log_odds(options.drop_probability));
   impl_->clear = log_odds(options.clear_probability);
   impl_->most = log_odds(options.most_probability);
   impl_->next_id = first_id;
@@ -275,6 +285,7 @@ PacketReport ObstacleMap::add(const survey::Packet& packet) {
   if (m.robust()) {
     m.count_misses(packet, report);
     m.merge_doubles(packet.capture_time_ns, report);
+    m.settle();
     m.forget(report);
   }
   return report;
@@ -286,7 +297,7 @@ std::vector<survey::Obstacle> ObstacleMap::obstacles(std::int64_t now_ns, bool c
   for (const auto& track : m.tracks) {
     if (m.robust()) {
       const double evidence = m.faded(track, now_ns);
-      if (evidence < m.clear || (confirmed && evidence < m.confirm)) continue;
+      if (evidence < m.clear || (confirmed && !(track.confirmed && evidence >= m.drop))) continue;
       const double silent_s = kNs * static_cast<double>(now_ns - track.last_seen_ns);
       if (track.moving && silent_s > m.options.moving_timeout_s) continue;
     }

@@ -16,8 +16,9 @@ namespace cairn::ground {
 
 // Paper B gives no rule for association, decay or clearing (B13); all values are ours.
 struct ObstacleMapOptions {
-  std::string memory = "robust";  // paper: the union of all objects ever sent; robust: association over time
-  ClassTable classes;             // kinds of the classes; visited apart
+  std::string memory = "as_mode";  // paper: the union of all objects ever sent; robust: association over time;
+                                   //   as_mode: robust here, of a command the one of its --mode
+  ClassTable classes;              // kinds of the classes; visited apart
   // Association.
   double gate_sigma = 3.5;       // Mahalanobis distance of a pair (99.8 % in two dimensions)
   double max_gate_m = 3.0;       // and never farther than this (paper B's error bound for raised objects)
@@ -30,8 +31,9 @@ struct ObstacleMapOptions {
   double detection_probability = 0.6;  // an object that is there and in view is detected
   double false_probability = 0.1;      // one that is not there is
   double confirm_probability = 0.95;   // reported from here on: two looks with the values above
+  double drop_probability = 0.6;       // and until it falls below this
   double clear_probability = 0.2;      // forgotten below
-  double most_probability = 0.99;      // evidence saturates, so that what goes is let go after 7 looks
+  double most_probability = 0.99;      // evidence saturates, so that what is gone is dropped after 6 empty looks
   double footprint_margin_m = 0.5;     // an unseen object counts as missed where it lies so far inside the image's
                                        //   ground, with half its width
   double half_life_s = 0.0;            // of the evidence while an object is not in view; 0 = it stays
@@ -70,8 +72,8 @@ class ObstacleMap {
 
   PacketReport add(const survey::Packet& packet);
 
-  // Confirmed obstacles as known at now_ns, in ascending id. Local ENU, m. A moving one has its velocity; its position
-  // holds at last_seen_ns. confirmed = false: those seen too seldom as well.
+  // Confirmed obstacles (reported, by the probabilities above) as known at now_ns, in ascending id. Local ENU, m. A
+  // moving one has its velocity; its position holds at last_seen_ns. confirmed = false: those seen too seldom as well.
   [[nodiscard]] std::vector<survey::Obstacle> obstacles(std::int64_t now_ns, bool confirmed = true) const;
 
  private:

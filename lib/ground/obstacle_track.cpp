@@ -141,6 +141,7 @@ void ObstacleTrack::merge(const ObstacleTrack& other) {
   looks += other.looks;
   misses = std::min(misses, other.misses);
   log_odds = std::max(log_odds, other.log_odds);
+  confirmed = confirmed || other.confirmed;
   first_seen_ns = std::min(first_seen_ns, other.first_seen_ns);
   if (other.last_seen_ns > last_seen_ns) {
     last_seen_ns = other.last_seen_ns;

@@ -62,6 +62,7 @@ class ObstacleTrack {
   std::size_t looks = 0, misses = 0;
   double log_odds = 0.0;
   bool moving = false;
+  bool confirmed = false;
 
  private:
   struct Line {

@@ -70,9 +70,19 @@ bool whole(const survey::Camera& camera, const geometry::PixelBox& b, double mar
          static_cast<double>(camera.height_px) - b.ymax >= margin;
 }
 
-// Median diameter over the target's whole boxes.
-std::optional<double> width_from_boxes(const Target& target, const survey::Survey& survey, std::optional<double> height,
-                                       double margin) {
+struct Width {
+  double value = 0.0, sigma = 0.0;  // m; sigma 0 = not known
+};
+
+double median_of(std::vector<double>& values) {
+  std::sort(values.begin(), values.end());
+  const std::size_t n = values.size();
+  return n % 2 == 1 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
+}
+
+// Median diameter over the target's whole boxes, and its standard error from the median absolute deviation.
+std::optional<Width> width_from_boxes(const Target& target, const survey::Survey& survey, std::optional<double> height,
+                                      double margin) {
   std::vector<double> widths;
   for (const auto id : target.detections) {
     const auto* detection = survey.detection(id);
@@ -84,9 +94,35 @@ std::optional<double> width_from_boxes(const Target& target, const survey::Surve
     if (const auto d = diameter(*s, detection->box, height)) widths.push_back(*d);
   }
   if (widths.empty()) return std::nullopt;
-  std::sort(widths.begin(), widths.end());
-  const std::size_t n = widths.size();
-  return n % 2 == 1 ? widths[n / 2] : 0.5 * (widths[n / 2 - 1] + widths[n / 2]);
+  Width result{median_of(widths), 0.0};
+  if (widths.size() < 3) return result;
+  for (double& w : widths) w = std::abs(w - result.value);
+  constexpr double kMadToSigma = 1.4826, kMedianLoss = 1.2533;  // of normal values
+  result.sigma = kMadToSigma * kMedianLoss * median_of(widths) / std::sqrt(static_cast<double>(widths.size()));
+  return result;
+}
+
+void add_history(survey::Obstacle& o, const Target& target, const survey::Survey& survey) {
+  bool any = false;
+  double farthest = 0.0;
+  for (const auto id : target.detections) {
+    const auto* detection = survey.detection(id);
+    const auto* frame = detection == nullptr ? nullptr : survey.frame(detection->frame);
+    if (frame == nullptr) continue;
+    o.first_seen_ns = any ? std::min(o.first_seen_ns, frame->time_ns) : frame->time_ns;
+    o.last_seen_ns = any ? std::max(o.last_seen_ns, frame->time_ns) : frame->time_ns;
+    farthest = std::max(farthest, (frame->T_world_camera.translation - target.centre).norm());
+    any = true;
+  }
+  if (!any) return;
+  constexpr double kBorder = 0.02;  // of the image's sides
+  for (const auto& frame : survey.frames) {
+    if (frame.time_ns <= o.last_seen_ns) continue;
+    const auto* camera = survey.camera(frame.camera);
+    if (camera == nullptr || (frame.T_world_camera.translation - target.centre).norm() > 2.0 * farthest) continue;
+    const auto pixel = camera::project_world(*camera, frame.T_world_camera, target.centre);
+    if (pixel && camera::inside_image(*camera, *pixel, kBorder)) ++o.misses;
+  }
 }
 
 std::string record_of(const Target& target) {
@@ -144,14 +180,17 @@ ObstacleResult make_obstacles(std::span<const Target> targets, const survey::Sur
     if (foot) height = std::max(options.min_height_m, 2.0 * (target.centre.z() - *foot));
     auto width = width_from_boxes(target, survey, height, options.edge_margin_px);
     if (!width && target.bcylinder && target.bcylinder->radius > 0.0 && std::isfinite(target.bcylinder->radius))
-      width = 2.0 * target.bcylinder->radius;
+      width = Width{2.0 * target.bcylinder->radius, 0.0};
     if (!width) {
       result.rejects.push_back(
           {record_of(target), "no_size", "no whole box and no bounding cylinder to measure it by"});
       continue;
     }
-    o.width_m = *width;
-    o.height_m = height.value_or(std::max(options.min_height_m, kUnknownShape * *width));
+    o.width_m = width->value;
+    o.sigma_width_m = std::isfinite(width->sigma) ? width->sigma : 0.0;
+    o.height_m = height.value_or(std::max(options.min_height_m, kUnknownShape * o.width_m));
+    o.sigma_height_m = foot ? 2.0 * std::sqrt(std::max(0.0, target.covariance(2, 2))) : 0.0;
+    add_history(o, target, survey);
     if (!foot) ++result.without_ground;
     o.position = {target.centre.x(), target.centre.y(), foot.value_or(target.centre.z() - 0.5 * o.height_m)};
     result.obstacles.push_back(std::move(o));

@@ -38,7 +38,9 @@ struct ObstacleResult {
 // H is twice the centre's height above the ground (the centre of an outline lies half way up), at least min-height-m;
 // where no ground is known, H = D/2. D of a box is the larger of its two axes' values, as it must hold the object;
 // the width is the median over the boxes that are whole. Without such boxes: the bounding cylinder's.
-// Linear in detections; log n to find each.
+// First and last seen: capture times of its boxes' frames. Misses: later frames that show its place within the middle
+// 96 % of the image, no farther than twice the farthest of its own boxes' frames, and not it.
+// Linear in detections and in targets times frames; log n to find each.
 [[nodiscard]] ObstacleResult make_obstacles(std::span<const survey::Target> targets, const survey::Survey& survey,
                                             const GroundHeight& ground, const ObstacleOptions& options,
                                             base::RunContext& ctx);

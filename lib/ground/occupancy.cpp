@@ -1,6 +1,7 @@
 #include "ground/occupancy.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -19,24 +20,6 @@ std::size_t clamped(double position, std::size_t count) {
 CellRegion between(std::size_t row, std::size_t end_row, std::size_t column, std::size_t end_column) {
   if (end_row <= row || end_column <= column) return {};
   return {row, column, end_row - row, end_column - column};
-}
-
-// Occupied over unknown over free: what a coarse cell takes from several fine ones.
-int weight(Occupancy o) {
-  return o == Occupancy::occupied ? 2 : (o == Occupancy::unknown ? 1 : 0);
-}
-
-// Cells of one axis of `from` that the cell [begin, end) overlaps; `outside` where it reaches beyond.
-struct Overlap {
-  std::size_t begin = 0, end = 0;
-  bool outside = false;
-};
-
-Overlap overlap(double begin, double end, std::size_t count) {
-  constexpr double kThin = 1e-6;  // of a cell
-  const double first = std::floor(begin + kThin), last = std::ceil(end - kThin);
-  Overlap o{clamped(first, count), clamped(last, count), first < 0.0 || last > static_cast<double>(count)};
-  return o;
 }
 
 }  // namespace
@@ -68,8 +51,15 @@ CellRegion joined(const CellRegion& a, const CellRegion& b) {
 }
 
 MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, OccupancyGrid& grid) {
+  return mark_obstacles(obstacles, grid.geometry, 0, grid);
+}
+
+MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, const GridGeometry& g,
+                               std::size_t first_row, OccupancyGrid& strip) {
   MarkedObstacles result;
-  const GridGeometry& g = grid.geometry;
+  const auto mark = [&](std::size_t r, std::size_t c) {
+    if (r >= first_row && r - first_row < strip.geometry.rows) strip.at(r - first_row, c) = Occupancy::occupied;
+  };
   for (std::size_t i = 0; i < obstacles.size(); ++i) {
     const survey::Obstacle& o = obstacles[i];
     if (o.kind != survey::ObstacleKind::obstacle) continue;
@@ -84,11 +74,11 @@ MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, Occu
     for (std::size_t r = near.row; r < near.end_row(); ++r)
       for (std::size_t c = near.column; c < near.end_column(); ++c) {
         if ((g.centre(r, c) - at).squaredNorm() > radius * radius) continue;
-        grid.at(r, c) = Occupancy::occupied;
+        mark(r, c);
         marked = joined(marked, {r, c, 1, 1});
       }
     if (const auto cell = g.cell_at(at)) {
-      grid.at(cell->first, cell->second) = Occupancy::occupied;
+      mark(cell->first, cell->second);
       marked = joined(marked, {cell->first, cell->second, 1, 1});
     }
     if (marked.empty()) result.outside.push_back(i);
@@ -98,11 +88,15 @@ MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, Occu
 }
 
 bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, OccupancyGrid& grid) {
-  const GridGeometry& g = grid.geometry;
+  return mark_polygon(rings, value, grid.geometry, 0, grid);
+}
+
+bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, const GridGeometry& g, std::size_t first_row,
+                  OccupancyGrid& strip) {
   bool any = false;
   std::vector<double> crossings;  // east of the rings' edges on the row's middle line
-  for (std::size_t r = 0; r < g.rows; ++r) {
-    const double north = g.centre(r, 0).y();
+  for (std::size_t r = 0; r < strip.geometry.rows; ++r) {
+    const double north = g.centre(first_row + r, 0).y();
     crossings.clear();
     for (const auto& ring : rings)
       for (std::size_t i = 0; i < ring.size(); ++i) {
@@ -115,7 +109,7 @@ bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, Occupa
     for (std::size_t i = 0; i + 1 < crossings.size(); i += 2) {
       const std::size_t begin = clamped(std::ceil((crossings[i] - g.west) / g.cell - 0.5), g.columns);
       const std::size_t end = clamped(std::ceil((crossings[i + 1] - g.west) / g.cell - 0.5), g.columns);
-      for (std::size_t c = begin; c < end; ++c) grid.at(r, c) = value;
+      for (std::size_t c = begin; c < end; ++c) strip.at(r, c) = value;
       any = any || begin < end;
     }
   }
@@ -141,33 +135,20 @@ void combine(const OccupancyGrid& prior, const OccupancyGrid* obstacles, const O
       throw base::Error(base::ErrorCode::invalid_argument, "sources of occupancy on different grids");
   if (region.end_row() > out.geometry.rows || region.end_column() > out.geometry.columns)
     throw base::Error(base::ErrorCode::invalid_argument, "a region that reaches beyond the grid");
-  for (std::size_t r = region.row; r < region.end_row(); ++r)
-    for (std::size_t c = region.column; c < region.end_column(); ++c)
-      out.at(r, c) = combine(prior.at(r, c), obstacles != nullptr ? obstacles->at(r, c) : Occupancy::unknown,
-                             scans != nullptr ? scans->at(r, c) : Occupancy::unknown, options);
-}
-
-OccupancyGrid resampled(const OccupancyGrid& from, const GridGeometry& to) {
-  const GridGeometry& f = from.geometry;
-  std::vector<Overlap> columns(to.columns);
-  const double ratio = to.cell / f.cell;
-  for (std::size_t c = 0; c < to.columns; ++c) {
-    const double begin = (to.west - f.west) / f.cell + static_cast<double>(c) * ratio;
-    columns[c] = overlap(begin, begin + ratio, f.columns);
-  }
-  OccupancyGrid result(to, Occupancy::unknown);
-  for (std::size_t r = 0; r < to.rows; ++r) {
-    const double begin = (f.north - to.north) / f.cell + static_cast<double>(r) * ratio;
-    const Overlap rows = overlap(begin, begin + ratio, f.rows);
-    for (std::size_t c = 0; c < to.columns; ++c) {
-      Occupancy value = rows.outside || columns[c].outside ? Occupancy::unknown : Occupancy::free;
-      for (std::size_t i = rows.begin; i < rows.end; ++i)
-        for (std::size_t j = columns[c].begin; j < columns[c].end; ++j)
-          if (weight(from.at(i, j)) > weight(value)) value = from.at(i, j);
-      result.at(r, c) = value;
+  // The rule once for each of the 27 cases, not for each cell.
+  std::array<Occupancy, 27> rule{};
+  for (std::size_t i = 0; i < rule.size(); ++i)
+    rule[i] = combine(static_cast<Occupancy>(i / 9), static_cast<Occupancy>(i / 3 % 3), static_cast<Occupancy>(i % 3),
+                      options);
+  constexpr std::size_t kSilent = 2;
+  for (std::size_t r = region.row; r < region.end_row(); ++r) {
+    const std::size_t row = r * out.geometry.columns + region.column;
+    for (std::size_t i = row; i < row + region.columns; ++i) {
+      const std::size_t obstacle = obstacles != nullptr ? static_cast<std::size_t>(obstacles->values[i]) : kSilent;
+      const std::size_t scan = scans != nullptr ? static_cast<std::size_t>(scans->values[i]) : kSilent;
+      out.values[i] = rule[9 * static_cast<std::size_t>(prior.values[i]) + 3 * obstacle + scan];
     }
   }
-  return result;
 }
 
 }  // namespace cairn::ground

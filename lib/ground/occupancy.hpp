@@ -46,11 +46,17 @@ struct MarkedObstacles {
 // position is in. `ignored` obstacles and vehicles leave no mark. Moving obstacles are marked where they were last
 // seen. Cost: cells covered.
 [[nodiscard]] MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, OccupancyGrid& grid);
+// The same for the rows of `full` from first_row on that `strip` holds (as many as it has); `cells` and `outside` are
+// those of `full`. Strip by strip the marks are the same as in one go.
+MarkedObstacles mark_obstacles(std::span<const survey::Obstacle> obstacles, const geometry::GridGeometry& full,
+                               std::size_t first_row, OccupancyGrid& strip);
 
 // Polygons of a prior map. Each is an outer ring and its holes; a cell belongs to a polygon where its centre lies
 // inside (even-odd rule over all rings). Sets those cells to `value`; false where no cell was. Cost: rows times edges,
 // then cells.
-[[nodiscard]] bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, OccupancyGrid& grid);
+bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, OccupancyGrid& grid);
+bool mark_polygon(std::span<const geometry::Ring> rings, Occupancy value, const geometry::GridGeometry& full,
+                  std::size_t first_row, OccupancyGrid& strip);
 
 // Which source overrules which. The paper gives no rule (B13); by default no source may take away what another one
 // holds as an obstacle: the scanner looks over low obstacles that the aircraft saw, and prior maps block what
@@ -78,11 +84,5 @@ struct CombineOptions {
 // `out`. Throws invalid_argument otherwise.
 void combine(const OccupancyGrid& prior, const OccupancyGrid* obstacles, const OccupancyGrid* scans,
              const CombineOptions& options, const CellRegion& region, OccupancyGrid& out);
-
-// The same ground on another grid. A cell of `to` takes what the cells of `from` say whose inside it overlaps:
-// occupied where any is, else unknown where any is or where it reaches beyond `from`, else free. Overlaps thinner than
-// a millionth of a cell do not count. On a finer grid of the same corners this is the value of the cell around it;
-// nothing occupied is ever lost.
-[[nodiscard]] OccupancyGrid resampled(const OccupancyGrid& from, const geometry::GridGeometry& to);
 
 }  // namespace cairn::ground

@@ -132,8 +132,9 @@ double clearance_m(const Grid<std::uint8_t>& cost, const std::vector<Vec2>& path
         }
       }
   };
-  const auto visit = [&](std::int64_t row, std::int64_t column, double) {
-    if (row >= 0 && row < rows && column >= 0 && column < columns) look(row, column);
+  const auto visit = [&](std::int64_t row, std::int64_t column, double length) {
+    // Beside a corner that the path passes through it is in neither cell.
+    if (length > 0.0 && row >= 0 && row < rows && column >= 0 && column < columns) look(row, column);
     return true;
   };
   if (path.size() == 1) {

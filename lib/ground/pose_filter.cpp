@@ -47,20 +47,24 @@ void PoseFilterOptions::visit(base::OptionVisitor& v) {
             "refused positions in a row that agree and so move the estimate");
   v.real("initial-sigma-m", initial_sigma_m, 1e-3, 1e6, "1 sigma per axis of the log's first position");
   v.real("velocity-noise-m-s", velocity_noise_m_s, 0.0, 100.0, "noise of the log's velocity, 1 sigma per sample");
-  v.real("sample-interval-s", sample_interval_s, 1e-4, 10.0, "interval of the samples that this noise belongs to");
+  v.real("sample-interval-s", sample_interval_s, 0.0, 1e3,
+         "interval of the samples that this noise belongs to; 0 = the log's");
   v.real("bias-sigma-m-s", bias_sigma_m_s, 0.0, 100.0, "drifting bias of the log's velocity, 1 sigma per axis");
   v.real("bias-time-s", bias_time_s, 1e-2, 1e9, "correlation time of that bias");
   v.real("heading-sigma-deg", heading_sigma_deg, 0.0, 180.0, "drifting heading error of the log, 1 sigma");
   v.real("heading-time-s", heading_time_s, 1e-2, 1e9, "correlation time of that error");
   v.real("paper-sigma-position-m", paper_sigma_position_m, 0.0, 100.0, "paper: w of (B.5), 1 sigma per step");
   v.real("paper-sigma-velocity-m-s", paper_sigma_velocity_m_s, 0.0, 100.0, "paper: w' of (B.6), 1 sigma per step");
-  v.real("max-gap-s", max_gap_s, 1e-3, 1e6, "longer intervals of the log count as gaps");
+  v.real("max-gap-s", max_gap_s, 0.0, 1e6, "longer intervals of the log count as gaps; 0 = 10 sample intervals");
   v.real("gap-sigma-m-s", gap_sigma_m_s, 0.0, 100.0, "1 sigma of the velocity in a gap");
   v.real("buffer-s", buffer_s, 0.0, 3600.0, "how late a packet may come");
 }
 
 PoseFilter::PoseFilter(PoseFilterOptions options) : options_(std::move(options)) {
+  constexpr double kUsualInterval_s = 0.02, kGapIntervals = 10.0;
   base::validate(base::bind_options(options_), "vehicle");
+  if (!(options_.sample_interval_s > 0.0)) options_.sample_interval_s = kUsualInterval_s;
+  if (!(options_.max_gap_s > 0.0)) options_.max_gap_s = kGapIntervals * options_.sample_interval_s;
 }
 
 bool PoseFilter::inertial(const VehicleState& sample) {

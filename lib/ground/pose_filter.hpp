@@ -36,18 +36,18 @@ struct PoseFilterOptions {
 
   // The log's errors, robust mode (simulation/inertial_log.hpp makes such logs).
   double velocity_noise_m_s = 0.05;  // 1 sigma per sample and axis
-  double sample_interval_s = 0.02;   // between the samples that this noise belongs to (50 Hz)
+  double sample_interval_s = 0.0;    // between the samples that this noise belongs to; 0 = 0.02 (50 Hz)
   double bias_sigma_m_s = 0.02;      // drifting bias, stationary 1 sigma per axis
-  double bias_time_s = 100.0;        // its correlation time
+  double bias_time_s = 50.0;         // its correlation time
   double heading_sigma_deg = 1.0;    // drifting heading error, stationary 1 sigma; turns the velocity
-  double heading_time_s = 100.0;     // its correlation time
+  double heading_time_s = 50.0;      // its correlation time
 
   // Paper mode: w and w' of (B.5), (B.6), 1 sigma per step and axis; the paper gives none.
   double paper_sigma_position_m = 0.01;
   double paper_sigma_velocity_m_s = 0.05;
 
   // Gaps and late packets.
-  double max_gap_s = 0.2;      // between two samples of the log; longer ones count as gaps
+  double max_gap_s = 0.0;      // between two samples; longer ones count as gaps; 0 = 10 sample intervals
   double gap_sigma_m_s = 0.5;  // of the velocity in a gap, robust
   double buffer_s = 10.0;      // robust: how late a packet may come
 

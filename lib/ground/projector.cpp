@@ -126,7 +126,9 @@ std::variant<UprightBody, base::Reject> start_of(const PixelBox& box, const surv
   const auto ray = camera::pixel_ray(camera, pose, box.centre());
   if (!ray || !(-ray->direction.z() >= std::sin(kRadPerDeg * options.min_depression_deg))) return above_horizon(record);
   const auto hit = cast_on_ground(*ray, ground, model.base_above_ground_m, options.max_range_m, options.ray_step_m);
-  if (!hit) return too_far(record, std::numeric_limits<double>::infinity(), options.max_range_m);
+  if (!hit)
+    return base::Reject{record, "too_far",
+                        "no ground within " + base::to_fixed(options.max_range_m, 1) + " m on its line of sight"};
   const double metres_per_px = hit->range / std::max(camera.fx_px, camera.fy_px);
   UprightBody body;
   body.shape = model.shape;
@@ -194,11 +196,13 @@ Projection project_robust(const PixelBox& box, const survey::Frame& frame, const
 
 void ProjectionOptions::visit(base::OptionVisitor& v) {
   v.choice("mode", mode, {"paper", "robust"}, "paper: equations 1 to 3 on a level plane; robust: on the terrain");
-  v.real("ground-up-m", ground_up_m, -1e5, 1e5, "local up of the plane where no terrain is known");
+  v.real("ground-up-m", ground_up_m, -1e9, 1e5,
+         "local up of the plane where no terrain is known; -1e9 = from the survey");
   v.real("min-depression-deg", min_depression_deg, 0.0, 89.0, "flattest line of sight (robust)");
   v.real("max-range-m", max_range_m, 0.1, 1e5, "longest line of sight");
-  v.real("ray-step-m", ray_step_m, 0.001, 100.0, "step of the march over the terrain");
-  v.real("edge-margin-px", edge_margin_px, 0.0, 1e4, "box edges nearer to the image border are not used");
+  v.real("ray-step-m", ray_step_m, 0.001, 100.0, "least step of the march over the terrain");
+  v.real("footprint-gsd-m", footprint_gsd_m, 0.0, 100.0, "coarser ground is not in a packet's footprint");
+  v.real("cut-margin-px", edge_margin_px, 0.0, 1e4, "box edges nearer to the image border are not used");
   v.real("box-noise-px", box_noise_px, 0.01, 1e3, "1 sigma of a box edge");
   v.real("box-noise-fraction", box_noise_fraction, 0.0, 1.0, "the same as a fraction of the box's side");
   v.real("pose-noise-xy-m", pose_noise_xy_m, 0.0, 100.0, "1 sigma of a camera position, where frames say nothing");

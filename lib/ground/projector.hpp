@@ -19,9 +19,11 @@ struct ProjectionOptions {
   std::string mode = "robust";  // paper: (B.1)-(B.3) on a level plane; robust: an upright body on the terrain
   double ground_up_m = 0.0;     // local up of the plane Z = 0 of paper B, and where no terrain is known
   // Lines of sight that are let through.
-  double min_depression_deg = 3.0;  // robust: a flatter ray says too little about the distance
-  double max_range_m = 150.0;       // longest line of sight (in paper mode too: it bounds k near the horizon)
-  double ray_step_m = 0.25;         // step of the march over the terrain: ridges thinner than it are missed
+  double min_depression_deg = 5.0;  // robust: a flatter ray says too little about the distance
+  double max_range_m = 500.0;       // longest line of sight (in paper mode too: it bounds k near the horizon)
+  double ray_step_m = 0.25;         // least step of the march over the terrain: ridges thinner than it are missed
+  double footprint_gsd_m = 0.04;    // ground that is sampled more coarsely, per pixel, is not in a packet's footprint:
+                                    //   an object is not expected to be detected there (12 px for half a metre)
   double edge_margin_px = 3.0;      // robust: an edge of a box nearer to the image border says nothing of the object
   // Noise, 1 sigma.
   double box_noise_px = 2.0;         // of each edge of a box

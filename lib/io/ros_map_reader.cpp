@@ -1,4 +1,4 @@
-// The reading half of ros_map.hpp: a small YAML subset, P5 images, and nav2's rules for pixels.
+// The reading half of ros_map.hpp: a small YAML subset, and nav2's rules for pixels.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -8,6 +8,7 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "base/number_text.hpp"
+#include "io/map_image.hpp"
 #include "io/ros_map.hpp"
 
 namespace cairn::io {
@@ -17,7 +18,6 @@ using base::Error;
 using base::ErrorCode;
 
 constexpr std::uintmax_t kMaxYamlBytes = 65536;
-constexpr std::size_t kMaxCells = std::size_t{1} << 31U;
 
 struct Entry {
   std::string value;
@@ -156,61 +156,13 @@ std::filesystem::path image_path(const YamlFile& yaml, const std::filesystem::pa
   return image;
 }
 
-struct Image {
-  std::size_t columns = 0, rows = 0;
-  unsigned maximum = 255;
-  std::string pixels;
-};
-
-class PgmReader {
- public:
-  explicit PgmReader(const std::filesystem::path& path) : path_(path.string()), bytes_(base::read_file(path)) {}
-
-  Image read() {
-    if (bytes_.rfind("P5", 0) != 0) refuse(0, "not a binary PGM image (P5)");
-    at_ = 2;
-    Image image;
-    image.columns = number("width");
-    image.rows = number("height");
-    image.maximum = static_cast<unsigned>(number("maximum"));
-    if (image.maximum > 255) refuse(at_, "a PGM of more than 8 bits");
-    if (at_ >= bytes_.size() || !is_space(bytes_[at_])) refuse(at_, "a PGM header that does not end");
-    ++at_;
-    if (image.columns > kMaxCells / image.rows || image.columns * image.rows > bytes_.size() - at_)
-      refuse(at_, "a PGM with fewer pixels than its header says: " + std::to_string(image.columns) + " x " +
-                      std::to_string(image.rows) + " in " + std::to_string(bytes_.size() - at_) + " bytes");
-    image.pixels = bytes_.substr(at_, image.columns * image.rows);
-    return image;
-  }
-
- private:
-  static bool is_space(char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\v' || c == '\f'; }
-
-  std::size_t number(const char* what) {
-    for (;;) {
-      while (at_ < bytes_.size() && is_space(bytes_[at_])) ++at_;
-      if (at_ >= bytes_.size() || bytes_[at_] != '#') break;
-      while (at_ < bytes_.size() && bytes_[at_] != '\n') ++at_;
-    }
-    std::size_t value = 0;
-    const std::size_t begin = at_;
-    while (at_ < bytes_.size() && bytes_[at_] >= '0' && bytes_[at_] <= '9' && at_ - begin < 10)
-      value = value * 10 + static_cast<std::size_t>(bytes_[at_++] - '0');
-    if (at_ == begin || value == 0) refuse(begin, std::string("a PGM header without a usable ") + what);
-    return value;
-  }
-
-  [[noreturn]] void refuse(std::size_t byte, std::string message) const {
-    throw Error(ErrorCode::invalid_input, std::move(message))
-        .file(path_)
-        .record("byte " + std::to_string(byte))
-        .allowed("P5, width, height, maximum 1 to 255, then one byte a pixel");
-  }
-
-  std::string path_;
-  std::string bytes_;
-  std::size_t at_ = 0;
-};
+// Brightness 0..1 as Nav2 sees it: the mean of red, green and blue, and in trinary mode of the opacity too.
+double shade_of(const MapImage& image, std::size_t pixel, MapMode mode) {
+  const double colour = image.colour[pixel];
+  if (mode == MapMode::trinary && !image.opacity.empty())
+    return (colour + static_cast<double>(image.opacity[pixel])) / (4.0 * image.maximum);
+  return colour / (3.0 * image.maximum);
+}
 
 std::uint8_t occupancy(const RosMap& map, bool negate, double shade) {
   if (map.mode == MapMode::raw) {
@@ -227,7 +179,11 @@ std::uint8_t occupancy(const RosMap& map, bool negate, double shade) {
 
 }  // namespace
 
-RosMap read_ros_map(const std::filesystem::path& path) {
+std::filesystem::path ros_map_image(const std::filesystem::path& path) {
+  return image_path(YamlFile(path), path);
+}
+
+RosMap read_ros_map(const std::filesystem::path& path, const RosMapReading& reading) {
   const YamlFile yaml(path);
   RosMap map;
   map.mode = mode_of(yaml);
@@ -239,17 +195,18 @@ RosMap read_ros_map(const std::filesystem::path& path) {
   const bool negate = negate_of(yaml);
   const double cell = yaml.real("resolution", 1e-6, 1e6);
   const auto origin = list_of_three(yaml, "origin");
-  if (origin[2] != 0.0)
+  if (origin[2] != 0.0 && !reading.accept_yaw)
     yaml.refuse(yaml.at("origin").line, "a turned map", "yaw " + base::to_text(origin[2]),
                 "yaw 0: Nav2 ignores it, so the map would lie wrongly");
-  const Image image = PgmReader(image_path(yaml, path)).read();
+  map.yaw = origin[2];
+  const MapImage image = read_map_image(image_path(yaml, path));
   map.occupancy.geometry = {origin[0], origin[1] + cell * static_cast<double>(image.rows), cell, image.columns,
                             image.rows};
-  map.occupancy.values.resize(image.pixels.size());
-  for (std::size_t i = 0; i < image.pixels.size(); ++i)
-    map.occupancy.values[i] = occupancy(
-        map, negate,
-        static_cast<double>(static_cast<unsigned char>(image.pixels[i])) / static_cast<double>(image.maximum));
+  map.occupancy.values.resize(image.colour.size());
+  for (std::size_t i = 0; i < image.colour.size(); ++i) {
+    const bool seen_through = map.mode == MapMode::scale && !image.opacity.empty() && image.opacity[i] != image.maximum;
+    map.occupancy.values[i] = seen_through ? kOccupancyUnknown : occupancy(map, negate, shade_of(image, i, map.mode));
+  }
   return map;
 }
 

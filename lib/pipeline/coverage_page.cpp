@@ -23,6 +23,37 @@ std::vector<double> reals(const io::Json& list) {
   return values;
 }
 
+// "at most 60 deg in two views" -> "at most 60° in two views"
+std::string with_degree_sign(std::string rule) {
+  if (const auto at = rule.find(" deg"); at != std::string::npos) rule.replace(at, 4, "°");
+  return rule;
+}
+
+// Thin tails would press the rest into a few pixels: classes at the ends that hold together less than `kTail` of the
+// area are folded into their neighbour; at the left only where there are many. Classes up to the gate stay.
+report::Histogram trimmed(report::Histogram h) {
+  constexpr double kTail = 0.002;
+  constexpr std::size_t kMany = 40;
+  double total = 0.0;
+  for (const double a : h.areas_m2) total += a;
+  const auto holds_gate = [&h] {
+    return h.gate && *h.gate >= h.edges[h.edges.size() - 2] && *h.gate <= h.edges.back();
+  };
+  while (h.areas_m2.size() > 1 && !holds_gate() && h.areas_m2.back() <= kTail * total) {
+    const double tail = h.areas_m2.back();
+    h.areas_m2.pop_back();
+    h.edges.pop_back();
+    h.areas_m2.back() += tail;
+  }
+  if (h.areas_m2.size() < kMany) return h;
+  const auto first = std::find_if(h.areas_m2.begin(), h.areas_m2.end(), [&](double a) { return a > kTail * total; });
+  const auto dropped = first - h.areas_m2.begin();
+  if (first == h.areas_m2.end() || (h.gate && *h.gate < h.edges[static_cast<std::size_t>(dropped)])) return h;
+  h.areas_m2.erase(h.areas_m2.begin(), first);
+  h.edges.erase(h.edges.begin(), h.edges.begin() + dropped);
+  return h;
+}
+
 report::CoverageView view_of(const io::Json& summary, const io::Json& histograms,
                              const std::vector<survey::CoverageGap>& gaps) {
   report::CoverageView view;
@@ -35,8 +66,8 @@ report::CoverageView view_of(const io::Json& summary, const io::Json& histograms
   for (const auto& [verdict, area] : summary.at("area_m2_by_verdict").as_object())
     view.verdicts.push_back({verdict, area.as_real()});
   for (const io::Json& gate : summary.at("gates").as_array())
-    view.gates.push_back(
-        {gate.at("name").as_string(), gate.at("rule").as_string(), gate.at("pass_fraction").as_real()});
+    view.gates.push_back({gate.at("name").as_string(), with_degree_sign(gate.at("rule").as_string()),
+                          gate.at("pass_fraction").as_real()});
   for (const io::Json& h : histograms.as_array()) {
     report::Histogram histogram;
     histogram.metric = h.at("metric").as_string();
@@ -44,14 +75,9 @@ report::CoverageView view_of(const io::Json& summary, const io::Json& histograms
     histogram.unit = h.at("unit").as_string() == "deg" ? "°" : h.at("unit").as_string();
     histogram.edges = reals(h.at("edges"));
     histogram.areas_m2 = reals(h.at("areas_m2"));
-    // Empty classes at the end say nothing.
-    while (histogram.areas_m2.size() > 1 && histogram.areas_m2.back() == 0.0) {
-      histogram.areas_m2.pop_back();
-      histogram.edges.pop_back();
-    }
     if (const io::Json* gate = h.find("gate")) histogram.gate = gate->as_real();
     if (const io::Json* side = h.find("gate_is_minimum")) histogram.gate_is_minimum = side->as_bool();
-    view.histograms.push_back(std::move(histogram));
+    view.histograms.push_back(trimmed(std::move(histogram)));
   }
   for (const survey::CoverageGap& gap : gaps) {
     report::GapView row;

@@ -34,9 +34,9 @@ void write_prior(const fs::path& out, const survey::Origin& origin, const simula
   for (std::size_t i = 0; i < prior.values.size(); ++i)
     map.occupancy.values[i] = prior.values[i] == ground::Occupancy::occupied ? kOccupied100 : std::uint8_t{0};
   fs::create_directories(out / "prior");
-  io::write_ros_map(
-      out / "prior", "map", map,
-      {origin.position, origin.height_type, origin.geoid, geodesy::LocalFrame(origin.position).raster_crs_wkt()});
+  io::write_ros_map(out / "prior", "map", map,
+                    io::MapGeoreference{origin.position, origin.height_type, origin.geoid,
+                                        geodesy::LocalFrame(origin.position).raster_crs_wkt()});
 }
 
 void write_plans(const fs::path& path, const GroundRecord& record) {

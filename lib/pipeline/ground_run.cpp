@@ -75,7 +75,7 @@ class GroundLoop {
         drive_(rehearsal.drive()),
         options_(options),
         aircraft_(rehearsal, aircraft_options(), seed),
-        link_(link_options(seed)),
+        link_(link_options(), base::Random(seed, "ground run link", 0).bits()),
         mind_(drive_, options),
         vehicle_(drive_, options.slip_share, seed),
         inertial_(inertial_errors(), base::Random(seed, "ground run inertial log", 0)),
@@ -106,10 +106,13 @@ class GroundLoop {
     aircraft.projection.ground_up_m = rehearsal_.mean_up();
     return aircraft;
   }
-  [[nodiscard]] ground::LinkOptions link_options(std::uint64_t seed) const {
+  [[nodiscard]] ground::LinkOptions link_options() const {
     ground::LinkOptions link;
     link.profile = drive_.link;
-    link.seed = seed;
+    if (options_.outage_s > 0.0) {
+      link.outage_s = options_.outage_s;
+      link.outage_every_s = options_.outage_period_s;
+    }
     return link;
   }
   [[nodiscard]] simulation::InertialErrors inertial_errors() const {
@@ -127,15 +130,10 @@ class GroundLoop {
     return true;
   }
 
-  [[nodiscard]] bool link_down() const {
-    if (!(options_.outage_s > 0.0) || now_s_ < drive_.start_s) return false;
-    return std::fmod(now_s_ - drive_.start_s, options_.outage_period_s) < options_.outage_s;
-  }
-
   void fly() {
     while (aircraft_.next_s() <= now_s_ + 1e-9) {
       const auto packet = aircraft_.expose(rehearsal_.standing(vehicle_.pose().position, vehicle_.pose().yaw));
-      if ((options_.aerial_map || options_.aerial_pose) && !link_down()) link_.send(packet, clock_ns(now_s_));
+      if (options_.aerial_map || options_.aerial_pose) link_.send(packet, clock_ns(now_s_));
     }
   }
 

@@ -24,7 +24,7 @@ namespace cairn::pipeline {
 struct GroundRunOptions {
   bool aerial_map = true;   // the vehicle takes obstacles from the packets into its map
   bool aerial_pose = true;  // ... and its own positions into its pose filter
-  // Outages of the link: while down, packets are lost. From the moment the vehicle may start, every outage_period_s.
+  // Outages of the link, once in each outage_period_s, the first at a time that the seed draws.
   double outage_s = 0.0;  // length of each; 0 = none
   double outage_period_s = 30.0;
   // Every time that the vehicle's wheels slip: sigma of the share of speed and turn that is lost or won, changing over

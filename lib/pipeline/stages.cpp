@@ -17,6 +17,7 @@
 #include "pipeline/segment_stage.hpp"
 #include "pipeline/surface_stage.hpp"
 #include "pipeline/terrain_stage.hpp"
+#include "pipeline/vehicle_stage.hpp"
 
 namespace cairn::pipeline {
 namespace fs = std::filesystem;
@@ -24,17 +25,36 @@ namespace {
 
 constexpr std::uint64_t kMebibyte = 1U << 20U;
 
+// What a survey folder may hold as prior map of its ground vehicle.
+fs::path prior_of(const fs::path& survey) {
+  for (const char* name : {"prior/map.yaml", "prior.tif", "prior.gpkg", "prior.geojson"})
+    if (fs::exists(survey / name)) return survey / name;
+  return {};
+}
+
+CostmapInputs costmap_inputs(const StageInputs& in) {
+  CostmapInputs inputs;
+  inputs.obstacles = in.products / "obstacles.json";
+  inputs.surface = product(in, "terrain", "surface.tif");
+  inputs.prior = prior_of(in.survey);
+  inputs.survey = in.survey;
+  inputs.vehicle = product(in, "vehicle", "vehicle.csv");
+  if (!inputs.vehicle.empty() && fs::exists(in.survey / "lidar.csv")) inputs.scans = in.survey / "lidar.csv";
+  else inputs.vehicle.clear();
+  return inputs;
+}
+
 // A costmap of up to 20 million cells (220 m square at 5 cm); the extent is known after `terrain` only.
 std::unique_ptr<Stage> make_costmap_stage() {
-  return make_function_stage<ground::CostmapOptions>(
+  return make_function_stage<CostmapStageOptions>(
       {"costmap",
-       {"terrain", "obstacles"},
-       {},
-       [](const StageInputs&, const ground::CostmapOptions&) -> Estimate {
+       {"obstacles"},
+       {"terrain", "vehicle"},
+       [](const StageInputs&, const CostmapStageOptions&) -> Estimate {
          return {400 * kMebibyte, 40 * kMebibyte};
        },
-       [](const StageInputs& in, const fs::path& out, const ground::CostmapOptions& options, base::RunContext& ctx) {
-         return costmap_stage({in.products / "obstacles.json", in.products / "surface.tif"}, out, options, ctx);
+       [](const StageInputs& in, const fs::path& out, const CostmapStageOptions& options, base::RunContext& ctx) {
+         return costmap_stage(costmap_inputs(in), out, options, ctx);
        }});
 }
 
@@ -82,7 +102,7 @@ std::unique_ptr<Stage> make_figures_stage() {
 }
 
 using Maker = std::unique_ptr<Stage> (*)();
-constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate", make_locate_stage},
+constexpr std::array<std::pair<std::string_view, Maker>, 14> kStages{{{"locate", make_locate_stage},
                                                                       {"terrain", make_terrain_stage},
                                                                       {"segment", make_segment_stage},
                                                                       {"surface", make_surface_stage},
@@ -90,6 +110,7 @@ constexpr std::array<std::pair<std::string_view, Maker>, 13> kStages{{{"locate",
                                                                       {"figures", make_figures_stage},
                                                                       {"coverage", make_coverage_stage},
                                                                       {"obstacles", make_obstacles_stage},
+                                                                      {"vehicle", make_vehicle_stage},
                                                                       {"costmap", make_costmap_stage},
                                                                       {"route", make_route_stage},
                                                                       {"layers", make_layers_stage},

@@ -103,8 +103,12 @@ SurveyCloud load_cloud(const fs::path& survey_folder, const survey::Survey& surv
 
 std::vector<fs::path> survey_files(const fs::path& survey_folder, const survey::Survey& survey) {
   std::set<fs::path> files;
-  for (const auto& entry : fs::directory_iterator(survey_folder))
-    if (entry.is_regular_file() && entry.path().filename() != "run.json") files.insert(entry.path());
+  // `prior` holds the map that a ground vehicle had before.
+  for (const auto& folder : {survey_folder, survey_folder / "prior"}) {
+    if (!fs::is_directory(folder)) continue;
+    for (const auto& entry : fs::directory_iterator(folder))
+      if (entry.is_regular_file() && entry.path().filename() != "run.json") files.insert(entry.path());
+  }
   const auto add = [&](const std::string& reference, const std::string& record) {
     const fs::path path = io::resolve_reference(reference, survey_folder).lexically_normal();
     if (path.empty() || fs::is_directory(path)) return;

@@ -106,7 +106,10 @@ std::unique_ptr<Stage> make_terrain_stage() {
        {},
        estimate,
        [](const StageInputs& in, const std::filesystem::path& out, const segmentation::TerrainOptions& options,
-          base::RunContext& ctx) { return terrain_stage({in.survey}, out, options, ctx); }});
+          base::RunContext& ctx) { return terrain_stage({in.survey}, out, options, ctx); },
+       [](const StageInputs& in) -> std::string {
+         return io::read_survey(in.survey).source("cloud") == nullptr ? "a cloud" : "";
+       }});
 }
 
 }  // namespace cairn::pipeline

@@ -123,7 +123,7 @@ void frame_table(Html& h, const CoveragePage& page) {
 }
 
 void bar(Html& h, const std::string& name, const std::string& rule, double share, const std::string& text, bool good) {
-  h.raw("<div class=\"bar\"><span>").text(name).raw("</span><span class=\"quiet\">").text(rule).raw("</span><i><b");
+  h.raw("<div class=\"share\"><span>").text(name).raw("</span><span class=\"quiet\">").text(rule).raw("</span><i><b");
   h.attr("class", good ? "good" : "fail");
   h.attr("style", "width:" + Html::short_number(100.0 * std::clamp(share, 0.0, 1.0), 2) + "%");
   h.raw("></b></i><span class=\"n\">").text(text).raw("</span></div>");
@@ -198,12 +198,19 @@ std::string render_coverage_page(const CoveragePage& page) {
           "th,td{padding:3px 9px;border-bottom:1px solid #ddd;text-align:left;vertical-align:middle}thead "
           "th{vertical-align:bottom;"
           "border-bottom:2px solid "
-          "#888}.n{text-align:right;font-variant-numeric:tabular-nums}.bar{display:grid;grid-template-columns:"
-          "150px 260px 1fr 130px;gap:10px;align-items:center}.bar i{background:#e9e9e9;height:12px;display:block}.bar "
+          "#888}.n{text-align:right;font-variant-numeric:tabular-nums}.share{display:grid;grid-template-columns:"
+          "150px 260px 1fr 130px;gap:10px;align-items:center}.share "
+          "i{background:#e9e9e9;height:12px;display:block}.bar "
           "b{display:block;"
-          "height:12px}.bar b.good{background:#2a788e}.bar "
+          "height:12px}.share b.good{background:#2a788e}.bar "
           "b.fail{background:#c8a96a}td.good{color:#1b6b3a}td.bad{color:#a33a00}"
-          ".rose{width:84px;height:84px}</style>\n</head>\n<body>\n<h1>");
+          ".rose{width:84px;height:84px}.histogram{width:100%;max-width:420px}.histogram text{fill:#555;font-size:10px}"
+          ".histogram .label{fill:#1c1c1c;font-size:11px;font-weight:560}.histogram .mid{text-anchor:middle}.histogram "
+          ".end{text-anchor:"
+          "end}.histogram .grid{stroke:#ddd}.histogram .axis{stroke:#999}.histogram .bar{fill:#4c8598}.histogram "
+          ".bar.fails{fill:#d9b48c}"
+          ".histogram .gate{stroke:#a84a00;stroke-width:1.4}.histogram "
+          ".gate-label{fill:#a84a00;font-weight:560}</style>\n</head>\n<body>\n<h1>");
   h.text(page.title).raw("</h1>\n");
   lead(h, page);
   for (const std::string& note : page.notes) h.raw("<p class=\"quiet\">").text(note).raw("</p>\n");

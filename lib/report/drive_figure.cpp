@@ -24,7 +24,7 @@ IndexedImage cost_image(const geometry::Grid<std::uint8_t>& cost) {
   image.width = cost.geometry.columns;
   image.height = cost.geometry.rows;
   for (int i = 0; i < 256; ++i) {
-    if (i == 0) image.palette.push_back({255, 255, 255, 255});
+    if (i == 0) image.palette.push_back({255, 255, 255, 0});
     else if (i <= 252) image.palette.push_back(cost_ramp(0.75 * static_cast<double>(i) / 252.0));
     else if (i == 253) image.palette.push_back({88, 66, 104, 255});
     else if (i == 254) image.palette.push_back({24, 18, 30, 255});
@@ -54,8 +54,8 @@ std::string points_of(const std::vector<Vec2>& points, const Frame& frame) {
   Vec2 last = Vec2::Constant(-1e9);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const Vec2 p = frame(points[i]);
-    // Steps below half a pixel do not show.
-    if (i + 1 < points.size() && (p - last).norm() < 0.5) continue;
+    // Shorter steps do not show.
+    if (i + 1 < points.size() && (p - last).norm() < 1.5) continue;
     text += (text.empty() ? "" : " ") + svg::at(p);
     last = p;
   }
@@ -84,6 +84,16 @@ std::string legend(const std::vector<DriveTrack>& tracks, double y) {
   return text;
 }
 
+std::string background(const DriveBackground& picture, const Frame& frame) {
+  if (picture.type.empty()) return "";
+  const Vec2 corner = frame(Vec2(picture.min.x(), picture.max.y())),
+             end = frame(Vec2(picture.max.x(), picture.min.y()));
+  return "<image x=\"" + svg::px(corner.x()) + "\" y=\"" + svg::px(corner.y()) + "\" width=\"" +
+         svg::px(end.x() - corner.x()) + "\" height=\"" + svg::px(end.y() - corner.y()) +
+         "\" preserveAspectRatio=\"none\" href=\"data:image/" + picture.type + ";base64," + base64(picture.bytes) +
+         "\"/>\n";
+}
+
 }  // namespace
 
 std::string drive_figure_svg(const DriveFigure& figure) {
@@ -102,9 +112,10 @@ std::string drive_figure_svg(const DriveFigure& figure) {
   const Vec2 corner = frame(Vec2(min.x(), max.y()));
   const std::string place = "x=\"" + svg::px(corner.x()) + "\" y=\"" + svg::px(corner.y()) + "\" width=\"" +
                             svg::px(figure.width_px - 2.0 * kMargin) + "\" height=\"" + svg::px(frame.height()) + "\"";
+  out += background(figure.background, frame);
   if (has_cost)
-    out += "<image " + place +
-           " preserveAspectRatio=\"none\" image-rendering=\"pixelated\" href=\"data:image/png;base64," +
+    out += "<image " + place + " preserveAspectRatio=\"none\" image-rendering=\"pixelated\" opacity=\"" +
+           base::to_fixed(figure.cost_opacity, 2) + "\" href=\"data:image/png;base64," +
            base64(encode_png(cost_image(figure.cost))) + "\"/>\n";
   for (const DriveOutline& o : figure.outlines)
     out += "<polygon points=\"" + points_of(o.ring, frame) + "\" fill=\"" + o.fill + "\" stroke=\"" + o.stroke +

@@ -28,10 +28,20 @@ struct DriveMark {
   std::string label;
 };
 
+// A picture under everything else, north up.
+struct DriveBackground {
+  geometry::Vec2 min = geometry::Vec2::Zero(), max = geometry::Vec2::Zero();  // local east, north, m
+  std::string type;                                                           // "png", "jpeg"; "" = no picture
+  std::string bytes;                                                          // of the file
+};
+
 struct DriveFigure {
   std::string title;
-  // Values of ground/costmap.hpp: 0..252 as a ramp, 253 and 254 dark, 255 (unknown) grey. Empty = white ground.
+  DriveBackground background;
+  // Values of ground/costmap.hpp: 1..252 as a ramp, 253 and 254 dark, 255 (unknown) grey; clear where it is 0. Empty =
+  // none.
   geometry::Grid<std::uint8_t> cost;
+  double cost_opacity = 1.0;
   geometry::Vec2 min = geometry::Vec2::Zero(), max = geometry::Vec2::Zero();  // what is shown where there is no cost
   std::vector<DriveOutline> outlines;                                         // drawn in order
   std::vector<DriveTrack> tracks;

@@ -94,13 +94,25 @@ std::vector<Column> rock_columns() {
 }
 
 std::vector<Column> obstacle_columns() {
-  return joined({{integer("id", "id of the target"), text("class", "what the detector called it"),
-                  text("kind", "obstacle, ignored (seen, but passable below: a tree's crown) or vehicle")},
-                 position_columns(),
-                 {real("sigma_horizontal_m", "m", "1 sigma along the worst horizontal direction"),
-                  real("width_m", "m", "diameter of the smallest upright cylinder around it"),
-                  real("obstacle_height_m", "m", "height of that cylinder"), real("score", "", "0 to 1"),
-                  integer("observations", "boxes it was seen in")}});
+  return joined(
+      {{integer("id", "id of the target, or of the obstacle map"), text("class", "what the detector called it"),
+        text("kind", "obstacle, ignored (seen, but passable below: a tree's crown) or vehicle")},
+       position_columns(),
+       {real("sigma_horizontal_m", "m", "1 sigma along the worst horizontal direction"),
+        real("width_m", "m", "diameter of the smallest upright cylinder around it"),
+        real("obstacle_height_m", "m", "height of that cylinder"), real("score", "", "0 to 1"),
+        integer("observations", "boxes it was seen in"),
+        real("variance_east_m2", "m2", "of the position; empty when not known"),
+        real("variance_north_m2", "m2", "of the position; empty when not known"),
+        real("covariance_east_north_m2", "m2", "of the position; empty when not known"),
+        real("sigma_width_m", "m", "1 sigma of the width; empty when not known"),
+        real("sigma_obstacle_height_m", "m", "1 sigma of the height; empty when not known"),
+        integer("misses", "images that showed its place and not it, since it was last seen"),
+        integer("first_seen_ns", "capture time on the survey's time base; empty when not known"),
+        integer("last_seen_ns", "capture time on the survey's time base; empty when not known"),
+        real("velocity_east_m_s", "m/s", "of a moving object at last_seen_ns; empty at rest"),
+        real("velocity_north_m_s", "m/s", "of a moving object at last_seen_ns; empty at rest"),
+        real("sigma_velocity_m_s", "m/s", "1 sigma along the worst direction; empty at rest")}});
 }
 
 std::vector<Column> frame_columns() {

@@ -121,7 +121,20 @@ class LayerBuilder {
           .set("width_m", obstacle.width_m)
           .set("obstacle_height_m", obstacle.height_m)
           .set("score", obstacle.score)
-          .set_count("observations", obstacle.observations);
+          .set_count("observations", obstacle.observations)
+          .set_positive("sigma_width_m", obstacle.sigma_width_m)
+          .set_positive("sigma_obstacle_height_m", obstacle.sigma_height_m)
+          .set_count("misses", obstacle.misses);
+      if (c.trace() > 0.0)
+        row.set("variance_east_m2", c(0, 0)).set("variance_north_m2", c(1, 1)).set("covariance_east_north_m2", c(0, 1));
+      if (obstacle.last_seen_ns != 0)
+        row.set("first_seen_ns", obstacle.first_seen_ns).set("last_seen_ns", obstacle.last_seen_ns);
+      if (obstacle.velocity) {
+        const auto& v = obstacle.velocity_covariance;
+        row.set("velocity_east_m_s", obstacle.velocity->x())
+            .set("velocity_north_m_s", obstacle.velocity->y())
+            .set("sigma_velocity_m_s", worst_sigma(v(0, 0), v(0, 1), v(1, 1)));
+      }
       layer.features.push_back(std::move(row.feature()));
     }
     return finished(std::move(layer));

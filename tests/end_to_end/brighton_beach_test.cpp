@@ -171,6 +171,34 @@ TEST_F(BrightonBeach, ObjectsAreLocatedWithinTheLimits) {
       << "95 %, m";
 }
 
+// The audit by itself: a nadir flight at 40 m shows lawns and tops, and no wall.
+TEST_F(BrightonBeach, TheAuditPassesLawnsAndFailsWalls) {
+  const TempFolder elsewhere;
+  const fs::path to = elsewhere / "audit";
+  const auto run = cairn({"run", (source_dir() / "pipelines/coverage_audit.json").string(), survey().string(), "-o",
+                          to.string(), "--threads", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"audit.html", "coverage.gpkg", "coverage.glb", "coverage.ply", "facets.csv", "views.tif"})
+    EXPECT_TRUE(fs::exists(to / name)) << name;
+  const auto json = cairn::io::read_json(to / "coverage.json");
+  EXPECT_GE(json.at("completeness").as_real(), 0.95);
+  EXPECT_GE(json.at("completeness_interval_95").as_array()[0].as_real(), 0.9);
+  EXPECT_LT(json.at("sides").at("completeness").as_real(), 0.9);
+  std::map<std::int64_t, std::string> classes;
+  for (const auto& target : cairn::io::read_targets(to / "targets.json").targets)
+    classes[target.id.value] = target.object_class;
+  cairn::io::CsvReader csv(to / "targets_coverage.csv");
+  std::size_t boulders = 0;
+  while (csv.next()) {
+    EXPECT_EQ(csv.text(csv.column("passed")), "false");
+    EXPECT_EQ(csv.real(csv.column("basal_seen_share")), 0.0);
+    if (classes.at(csv.integer(csv.column("target_id"))) != "boulder") continue;
+    ++boulders;
+    EXPECT_LT(csv.real(csv.column("wall_completeness")), 0.2);
+  }
+  EXPECT_GE(boulders, 10U);
+}
+
 TEST_F(BrightonBeach, NoAngleIsPrintedForARockThatCannotBeMeasured) {
   const auto rocks = cairn::io::read_json(out() / "rocks.json").at("rocks");
   ASSERT_GT(rocks.size(), 0U);

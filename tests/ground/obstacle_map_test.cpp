@@ -84,7 +84,7 @@ TEST(ObstacleMap, ClearsWhatIsGoneOnlyWhereTheImageLooks) {
   const geometry::Ring south{{-20, -20}, {20, -20}, {20, 0}, {-20, 0}};
   std::size_t looks = 0;
   for (; map.obstacles(packet(k).capture_time_ns).size() == 2 && looks < 50; ++k, ++looks) map.add(packet(k, south));
-  EXPECT_GE(looks, 2U);
+  EXPECT_EQ(looks, 6U);  // (4.595 - 0.405) / 0.811, rounded up
   for (int i = 0; i < 8; ++i) map.add(packet(k++, south));
   const auto left = map.obstacles(packet(k).capture_time_ns);
   ASSERT_EQ(left.size(), 1U);
@@ -251,9 +251,9 @@ TEST(ObstacleMap, EvidenceFadesByItsHalfLife) {
   }
   const std::int64_t last = packet(7).capture_time_ns;
   EXPECT_EQ(map.obstacles(last).size(), 1U);
-  // ln(99) = 4.595 halves in 10 s; the threshold ln(19) = 2.944 is passed after 6.4 s.
-  EXPECT_EQ(map.obstacles(last + 6'000'000'000).size(), 1U);
-  EXPECT_EQ(map.obstacles(last + 7'000'000'000).size(), 0U);
+  // ln(99) = 4.595 falls to ln(1.5) = 0.405 after 3.5 half-lives.
+  EXPECT_EQ(map.obstacles(last + 34'000'000'000).size(), 1U);
+  EXPECT_EQ(map.obstacles(last + 36'000'000'000).size(), 0U);
 }
 
 TEST(ObstacleMap, RefusesNumbersThatAreNone) {

@@ -4,10 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "base/error.hpp"
 #include "base/random.hpp"
+#include "ground/resampling.hpp"
 
 namespace cairn::ground {
 namespace {
@@ -117,6 +119,64 @@ TEST(Resampled, FinerKeepsTheCellAroundAndCoarserLosesNoObstacle) {
   EXPECT_EQ(shifted.at(3, 3), kFree);
   EXPECT_EQ(shifted.at(2, 5), kUnknownCell);
   EXPECT_EQ(resampled(grid, grid.geometry).values, grid.values);
+}
+
+TEST(Resampled, StripByStripIsTheWhole) {
+  base::Random random(2, "resampling", 0);
+  OccupancyGrid grid({0.0, 3.0, 0.07, 40, 43}, kFree);
+  for (auto& v : grid.values) v = static_cast<Occupancy>(random.below(3));
+  const GridGeometry to{-0.11, 3.2, 0.05, 60, 70};
+  const OccupancyGrid at_once = resampled(grid, to);
+  const Resampling resampling(grid.geometry, to);
+  EXPECT_FALSE(resampling.aligned());
+  EXPECT_TRUE(Resampling(grid.geometry, {0.14, 2.93, 0.07, 5, 5}).aligned());
+  for (std::size_t first = 0; first < 70; first += 13) {
+    OccupancyGrid strip({0, 0, 0.05, 60, std::min<std::size_t>(13, 70 - first)}, kFree);
+    const auto [begin, end] = resampling.rows_needed(first, strip.geometry.rows);
+    OccupancyGrid window({0, 0, 0.07, 40, end - begin}, kFree);
+    for (std::size_t r = begin; r < end; ++r)
+      for (std::size_t c = 0; c < 40; ++c) window.at(r - begin, c) = grid.at(r, c);
+    resampling.rows(window, begin, first, strip);
+    for (std::size_t r = 0; r < strip.geometry.rows; ++r)
+      for (std::size_t c = 0; c < 60; ++c) ASSERT_EQ(strip.at(r, c), at_once.at(first + r, c));
+  }
+}
+
+TEST(Resampled, TurnedByNothingAndByRightAnglesIsExact) {
+  base::Random random(3, "resampling", 0);
+  OccupancyGrid grid({1.0, 3.0, 0.5, 5, 4}, kFree);
+  for (auto& v : grid.values) v = static_cast<Occupancy>(random.below(3));
+  EXPECT_EQ(resampled_turned(grid, 0.0, grid.geometry).values, grid.values);
+  // Counter-clockwise by 90 deg about (1, 1): east becomes north, north becomes west.
+  const double quarter = std::acos(0.0);
+  const GridGeometry around{-1.0, 3.5, 0.5, 4, 5};
+  const OccupancyGrid turned = resampled_turned(grid, quarter, around);
+  for (std::size_t r = 0; r < 4; ++r)
+    for (std::size_t c = 0; c < 5; ++c) EXPECT_EQ(turned.at(4 - c, r), grid.at(r, c));
+  EXPECT_EQ(grid_around_turned(grid.geometry, 0.0, 0.5), grid.geometry);
+}
+
+// Every obstacle point lies in an occupied cell, every free cell holds free points only.
+TEST(Resampled, TurnedMapLosesNoObstacle) {
+  base::Random random(4, "resampling", 0);
+  OccupancyGrid grid({2.0, 4.0, 0.1, 10, 10}, kFree);
+  for (auto& v : grid.values) v = random.uniform() < 0.1 ? kOccupied : kFree;
+  for (const double yaw : {1.0, -2.5, 0.3}) {
+    const GridGeometry around = grid_around_turned(grid.geometry, yaw, 0.05);
+    const OccupancyGrid turned = resampled_turned(grid, yaw, around);
+    for (int point = 0; point < 3000; ++point) {
+      const Vec2 local(random.uniform(0.0, 1.0), random.uniform(0.0, 1.0));
+      const Vec2 world = Vec2(2.0, 3.0) + Vec2(std::cos(yaw) * local.x() - std::sin(yaw) * local.y(),
+                                               std::sin(yaw) * local.x() + std::cos(yaw) * local.y());
+      const auto from = grid.geometry.cell_at(Vec2(2.0, 3.0) + local);
+      const auto to = around.cell_at(world);
+      ASSERT_TRUE(from && to);
+      const Occupancy in = grid.at(from->first, from->second), out = turned.at(to->first, to->second);
+      ASSERT_TRUE(in != kOccupied || out == kOccupied);
+      ASSERT_TRUE(out != kFree || in == kFree);
+    }
+    EXPECT_GT(count(turned, kFree), 100U);
+  }
 }
 
 TEST(CellRegions, WidenJoinAndClip) {

@@ -50,7 +50,7 @@ TEST_F(MovingAi, ReadsAPublishedMapAndItsScenario) {
   const auto map = read_octile_map(testing::test_data("movingai/arena.map"));
   EXPECT_EQ(map.geometry.rows, 49U);
   const auto queries = read_scenario(testing::test_data("movingai/arena.map.scen"), 49, 49);
-  ASSERT_EQ(queries.size(), 130U);
+  ASSERT_EQ(queries.size(), 160U);
   // "0 maps/dao/arena.map 49 49 1 13 4 12 3.41421": x before y
   EXPECT_EQ(queries[2].line, 4U);
   EXPECT_EQ(queries[2].start, std::pair(std::size_t{13}, std::size_t{1}));

@@ -349,6 +349,13 @@ TEST(ObstaclesJson, RoundTripsBitForBit) {
   o.height_m = 1.5;
   o.score = 0.1;
   o.observations = 6;
+  o.misses = 2;
+  o.first_seen_ns = 1'466'699'519'000'000'000;
+  o.last_seen_ns = 1'466'699'520'250'000'000;
+  o.sigma_width_m = 0.05;
+  o.sigma_height_m = 0.07;
+  o.velocity = geometry::Vec2(0.4, -0.1);
+  o.velocity_covariance << 0.001, 0.0, 0.0, 0.002;
   write_obstacles(folder / "obstacles.json", {kFrame, {o}});
   const auto read = read_obstacles(folder / "obstacles.json").obstacles;
   ASSERT_EQ(read.size(), 1U);
@@ -361,6 +368,30 @@ TEST(ObstaclesJson, RoundTripsBitForBit) {
   EXPECT_EQ(read[0].height_m, o.height_m);
   EXPECT_EQ(read[0].score, o.score);
   EXPECT_EQ(read[0].observations, o.observations);
+  EXPECT_EQ(read[0].misses, o.misses);
+  EXPECT_EQ(read[0].first_seen_ns, o.first_seen_ns);
+  EXPECT_EQ(read[0].last_seen_ns, o.last_seen_ns);
+  EXPECT_EQ(read[0].sigma_width_m, o.sigma_width_m);
+  EXPECT_EQ(read[0].sigma_height_m, o.sigma_height_m);
+  EXPECT_EQ(read[0].velocity, o.velocity);
+  EXPECT_EQ(read[0].velocity_covariance, o.velocity_covariance);
+}
+
+TEST(ObstaclesJson, RefusesWhatIsNoCovarianceOrSize) {
+  const testing::TempFolder folder;
+  survey::Obstacle o;
+  o.target = survey::TargetId(1);
+  o.covariance(0, 1) = o.covariance(1, 0) = std::nan("");
+  EXPECT_THROW(write_obstacles(folder / "a.json", {kFrame, {o}}), base::Error);
+  for (const double correlation : {1.5, -1.5}) {
+    o.covariance << 1.0, correlation, correlation, 1.0;
+    write_obstacles(folder / "b.json", {kFrame, {o}});
+    EXPECT_THROW(static_cast<void>(read_obstacles(folder / "b.json")), base::Error);
+  }
+  o.covariance.setIdentity();
+  o.width_m = -1.0;
+  write_obstacles(folder / "c.json", {kFrame, {o}});
+  EXPECT_THROW(static_cast<void>(read_obstacles(folder / "c.json")), base::Error);
 }
 
 TEST(RecordsJson, FilesOfAnotherLocalFrameAreRefused) {

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <functional>
@@ -10,6 +11,9 @@
 
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
+#include "io/keepout.hpp"
+#include "io/map_image.hpp"
+#include "io/ros_map_writer.hpp"
 #include "support/data.hpp"
 
 namespace cairn::io {
@@ -25,7 +29,7 @@ RosMap small_map(MapMode mode) {
   map.mode = mode;
   map.occupancy = Grid<std::uint8_t>({-12.5, 30.25, 0.25, 5, 3}, 0);
   map.occupancy.at(0, 0) = 100;
-  if (mode != MapMode::scale) map.occupancy.at(2, 4) = kOccupancyUnknown;
+  map.occupancy.at(2, 4) = kOccupancyUnknown;
   if (mode != MapMode::trinary) map.occupancy.at(1, 2) = 37;
   return map;
 }
@@ -67,25 +71,38 @@ RobotMap robot_reads(const std::filesystem::path& folder, const std::string& yam
     if (key == "occupied_thresh:") words >> occupied;
     if (key == "free_thresh:") words >> free_level;
   }
-  std::ifstream pgm(folder / image, std::ios::binary);
-  std::string magic;
-  pgm >> magic >> std::ws;
-  while (pgm.peek() == '#') {
-    std::getline(pgm, line);
-    pgm >> std::ws;
+  std::vector<double> grey, opacity;  // 0..1; opacity empty = the image has none
+  if (image.substr(image.size() - 3) == "pgm") {
+    std::ifstream pgm(folder / image, std::ios::binary);
+    std::string magic;
+    pgm >> magic >> std::ws;
+    while (pgm.peek() == '#') {
+      std::getline(pgm, line);
+      pgm >> std::ws;
+    }
+    int maximum = 0;
+    pgm >> map.width >> map.height >> maximum;
+    pgm.get();
+    std::vector<char> pixels(map.width * map.height);
+    pgm.read(pixels.data(), static_cast<std::streamsize>(pixels.size()));
+    for (const char pixel : pixels) grey.push_back(static_cast<unsigned char>(pixel) / 255.0);
+  } else {
+    const MapImage pixels = read_map_image(folder / image);
+    map.width = pixels.columns;
+    map.height = pixels.rows;
+    for (const auto sum : pixels.colour) grey.push_back(sum / 3.0 / 255.0);
+    for (const auto value : pixels.opacity) opacity.push_back(value / 255.0);
   }
-  int maximum = 0;
-  pgm >> map.width >> map.height >> maximum;
-  pgm.get();
-  std::vector<char> pixels(map.width * map.height);
-  pgm.read(pixels.data(), static_cast<std::streamsize>(pixels.size()));
-  map.data.resize(pixels.size());
+  map.data.resize(grey.size());
   for (std::size_t y = 0; y < map.height; ++y)
     for (std::size_t x = 0; x < map.width; ++x) {
-      const double shade = static_cast<unsigned char>(pixels[y * map.width + x]) / 255.0;
+      const std::size_t i = y * map.width + x;
+      const double shade = mode == "trinary" && !opacity.empty() ? (3.0 * grey[i] + opacity[i]) / 4.0 : grey[i];
       const double occ = negate != 0 ? shade : 1.0 - shade;
       int cell = -1;
-      if (mode == "raw") {
+      if (mode == "scale" && !opacity.empty() && opacity[i] < 1.0) {
+        cell = -1;
+      } else if (mode == "raw") {
         const double value = std::round(shade * 255);
         cell = value <= 100 ? static_cast<int>(value) : -1;
       } else if (occ > occupied) {
@@ -202,10 +219,88 @@ TEST(RosMap, RefusesWhatRobotsWouldMisread) {
   refuse([](RosMap& m) { m.occupancy.geometry.cell = 0.0; }, "place");
   refuse([](RosMap& m) { m.occupancy.geometry.columns = std::size_t{1} << 40U; }, "2^31");
   refuse([](RosMap&) {}, "plain word", "../map");
+  refuse([](RosMap& m) { m.yaw = 1.0; }, "yaw 1");
+  refuse([](RosMap& m) { m.occupancy.values.pop_back(); }, "each cell");
   RosMap scale = small_map(MapMode::scale);
-  scale.occupancy.at(0, 1) = kOccupancyUnknown;
-  EXPECT_NE(error_of(base::ErrorCode::invalid_argument, [&] { write_ros_map(folder.path(), "map", scale, kPlace); }),
-            "no error");
+  scale.occupancy.at(0, 1) = 101;
+  EXPECT_THAT(error_of(base::ErrorCode::invalid_argument, [&] { write_ros_map(folder.path(), "map", scale, kPlace); }),
+              HasSubstr("row 0, column 1"));
+}
+
+TEST(RosMap, ScaleHoldsUnknownCellsAsPixelsOneCanSeeThrough) {
+  const testing::TempFolder folder;
+  write_ros_map(folder.path(), "map", small_map(MapMode::scale), std::nullopt);
+  EXPECT_TRUE(std::filesystem::exists(folder / "map.png"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.pgm"));
+  EXPECT_FALSE(std::filesystem::exists(folder / "map.georeference.json"));
+  EXPECT_EQ(read_map_image(folder / "map.png").opacity.back(), 0);
+}
+
+TEST(RosMap, RowByRowGivesTheSameBytes) {
+  const testing::TempFolder folder;
+  const RosMap map = small_map(MapMode::raw);
+  write_ros_map(folder.path(), "whole", map, kPlace);
+  RosMapWriter writer(folder.path(), "rows", map, kPlace);
+  for (std::size_t r = 0; r < 3; ++r) {
+    EXPECT_THROW(writer.finish(), base::Error) << "rows are missing";
+    writer.rows(std::span(map.occupancy.values).subspan(r * 5, 5));
+  }
+  writer.finish();
+  EXPECT_EQ(base::read_file(folder / "rows.pgm"), base::read_file(folder / "whole.pgm"));
+}
+
+TEST(RosMap, MapsOfNav2RoundTrip) {
+  for (const char* name :
+       {"depot.yaml", "depot_keepout.yaml", "depot_speed.yaml", "tb3_sandbox.yaml", "testmap.yaml"}) {
+    const testing::TempFolder folder;
+    RosMap map = read_ros_map(testing::test_data("nav2_maps") / name, {true});
+    map.yaw = 0.0;
+    if (map.mode == MapMode::trinary) {
+      map.free_thresh = RosMap{}.free_thresh;
+      map.occupied_thresh = RosMap{}.occupied_thresh;
+    }
+    write_ros_map(folder.path(), "map", map, std::nullopt);
+    EXPECT_EQ(read_ros_map(folder / "map.yaml").occupancy.values, map.occupancy.values) << name;
+    expect_same(map, robot_reads(folder.path(), "map.yaml"));
+  }
+}
+
+TEST(RosMap, ReadsPngAndBmpAsThePgmOfTheSameMap) {
+  const testing::TempFolder folder;
+  for (const char* name : {"testmap.pgm", "testmap.png", "testmap.bmp"})
+    std::filesystem::copy(testing::test_data("nav2_maps") / name, folder / name);
+  const auto read = [&](const std::string& image) {
+    base::write_file(folder / "map.yaml", "image: " + image +
+                                              "\nresolution: 0.1\norigin: [2, 3, 1]\nnegate: 0\n"
+                                              "occupied_thresh: 0.65\nfree_thresh: 0.196\n");
+    return read_ros_map(folder / "map.yaml", {true});
+  };
+  const RosMap pgm = read("testmap.pgm");
+  EXPECT_EQ(pgm.yaw, 1.0);
+  EXPECT_EQ(pgm.occupancy.geometry.columns, 10U);
+  EXPECT_GT(std::count(pgm.occupancy.values.begin(), pgm.occupancy.values.end(), 100), 0);
+  EXPECT_EQ(read("testmap.png").occupancy.values, pgm.occupancy.values);
+  EXPECT_EQ(read("testmap.bmp").occupancy.values, pgm.occupancy.values);
+  // Cut short, or with a size that its bytes cannot justify.
+  const std::string png = base::read_file(folder / "testmap.png");
+  for (const std::size_t size : {9U, 20U, 40U, 100U}) {
+    base::write_file(folder / "cut.png", png.substr(0, size));
+    EXPECT_THROW((void)read_map_image(folder / "cut.png"), base::Error) << size;
+  }
+  std::string huge = png;
+  huge[16] = '\x7f';
+  base::write_file(folder / "huge.png", huge);
+  EXPECT_THAT(error_of(base::ErrorCode::invalid_input, [&] { (void)read_map_image(folder / "huge.png"); }),
+              HasSubstr("fewer pixels"));
+}
+
+TEST(Keepout, ParametersNameTheMaskAndEveryNode) {
+  const testing::TempFolder folder;
+  write_keepout_parameters(folder / "keepout_params.yaml", "keepout.yaml");
+  const std::string text = base::read_file(folder / "keepout_params.yaml");
+  for (const char* word : {"yaml_filename: \"keepout.yaml\"", "filter_mask_server:", "costmap_filter_info_server:",
+                           "type: 0", "nav2_costmap_2d::KeepoutFilter", "global_costmap:", "local_costmap:"})
+    EXPECT_THAT(text, HasSubstr(word));
 }
 
 TEST(RosMap, RefusesHostileFiles) {

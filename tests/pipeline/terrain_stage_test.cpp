@@ -58,7 +58,7 @@ TEST_F(TerrainStage, RasterAndMeshAgree) {
 
   // What coverage makes of the raster is the mesh of the file.
   const geodesy::LocalFrame frame(testing::kSmallSurveyOrigin);
-  const AuditedSurface audited = read_audited_surface(folder_ / "out/surface.tif", frame);
+  const AuditedSurface audited = read_audited_surface(folder_ / "out/surface.tif", frame, ctx_);
   const io::MeshData mesh = io::read_ply_mesh(folder_ / "out/surface.ply");
   ASSERT_EQ(audited.mesh.vertices.size(), mesh.mesh.vertices.size());
   ASSERT_EQ(audited.observed.size(), mesh.mesh.triangles.size());

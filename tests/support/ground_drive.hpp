@@ -2,6 +2,7 @@
 // it.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -9,7 +10,7 @@
 
 #include "base/random.hpp"
 #include "ground/link.hpp"
-#include "ground/pose_filter.hpp"
+#include "ground/pose_score.hpp"
 #include "simulation/inertial_log.hpp"
 #include "survey/ground_vehicle.hpp"
 #include "survey/packet.hpp"
@@ -31,13 +32,8 @@ struct Drive {
   std::vector<survey::ReceivedPacket> packets;   // by arrival
   std::vector<bool> has_false, has_true;         // per packet of `packets`: a false vehicle, the true one
 
-  // Linear between the samples of the truth.
   [[nodiscard]] geometry::Vec2 true_position(std::int64_t time_ns) const {
-    const std::int64_t step = truth[1].time_ns - truth[0].time_ns;
-    const auto i = static_cast<std::size_t>(
-        std::clamp<std::int64_t>((time_ns - truth[0].time_ns) / step, 0, static_cast<std::int64_t>(truth.size()) - 2));
-    const double s = static_cast<double>(time_ns - truth[i].time_ns) / static_cast<double>(step);
-    return (1.0 - s) * truth[i].position + s * truth[i + 1].position;
+    return ground::position_at(truth, time_ns).value();
   }
 };
 
@@ -67,9 +63,10 @@ inline std::vector<survey::VehicleState> wander(const DriveOptions& options, std
   return truth;
 }
 
-inline Drive make_drive(const DriveOptions& options, std::uint64_t seed) {
+// What would be recorded of a true drive, ascending times, 2 samples or more.
+inline Drive record_drive(std::vector<survey::VehicleState> truth, const DriveOptions& options, std::uint64_t seed) {
   Drive drive;
-  drive.truth = wander(options, seed);
+  drive.truth = std::move(truth);
   drive.log = simulation::inertial_log(drive.truth, options.errors, base::Random(seed, "drive log", 0));
   constexpr std::int64_t kCapture_ns = 250'000'000;
   ground::Link link(options.link, seed);
@@ -82,13 +79,13 @@ inline Drive make_drive(const DriveOptions& options, std::uint64_t seed) {
     }
   };
   const std::int64_t end_ns = drive.truth.back().time_ns;
-  for (std::int64_t time_ns = 100'000'000; time_ns < end_ns; time_ns += kCapture_ns) {
+  for (std::int64_t time_ns = drive.truth.front().time_ns + 100'000'000; time_ns < end_ns; time_ns += kCapture_ns) {
     const std::uint32_t sequence = static_cast<std::uint32_t>(made_false.size());
     base::Random random(seed, "drive projector", sequence);
     survey::Packet packet;
     packet.sequence = sequence;
     packet.capture_time_ns = time_ns;
-    const geometry::Vec2 truth = drive.true_position(time_ns);
+    const geometry::Vec2 there = drive.true_position(time_ns);
     const bool wrong = random.uniform() < options.false_share, beside = random.uniform() < 0.5;
     const auto see = [&](const geometry::Vec2& p) {
       packet.vehicles.push_back(
@@ -96,11 +93,11 @@ inline Drive make_drive(const DriveOptions& options, std::uint64_t seed) {
     };
     if (wrong) {
       const double angle = random.uniform(0, 2.0 * std::numbers::pi), far_m = random.uniform(3.0, 10.0);
-      see(truth + far_m * geometry::Vec2(std::cos(angle), std::sin(angle)));
+      see(there + far_m * geometry::Vec2(std::cos(angle), std::sin(angle)));
     }
     if (!wrong || beside) {
       const double east = options.projector_sigma_m * random.normal();
-      see(truth + geometry::Vec2(east, options.projector_sigma_m * random.normal()));
+      see(there + geometry::Vec2(east, options.projector_sigma_m * random.normal()));
     }
     made_false.push_back(wrong);
     made_true.push_back(!wrong || beside);
@@ -109,6 +106,10 @@ inline Drive make_drive(const DriveOptions& options, std::uint64_t seed) {
   }
   deliver(end_ns);
   return drive;
+}
+
+inline Drive make_drive(const DriveOptions& options, std::uint64_t seed) {
+  return record_drive(wander(options, seed), options, seed);
 }
 
 }  // namespace cairn::testing

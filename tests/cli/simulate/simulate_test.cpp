@@ -185,4 +185,38 @@ INSTANTIATE_TEST_SUITE_P(
       return name;
     });
 
+TEST(SimulateCommand, DrivesInClosedLoopAndRecordsIt) {
+  const TempFolder folder;
+  const fs::path scene = sample("scenes/football_field.json");
+  const auto run = [&](const std::string& name, const std::string& threads) {
+    const auto result = cairn({"simulate", scene.string(), "--drive", "--seed", "2", "--threads", threads, "-o",
+                               (folder / name).string(), "--json"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return ::cairn::io::parse_json(result.out, "stdout");
+  };
+  const auto summary = run("a", "1");
+  EXPECT_TRUE(summary.at("arrived").as_bool());
+  EXPECT_EQ(summary.at("contacts").as_integer(), 0);
+  static_cast<void>(run("b", "2"));
+  EXPECT_EQ(contents(folder / "a"), contents(folder / "b"));
+  for (const char* name : {"vehicle.csv", "lidar.csv", "packets.bin", "truth/vehicle.csv", "prior/map.yaml",
+                           "drive/drive.json", "drive/paths.svg"})
+    EXPECT_TRUE(fs::exists(folder / "a" / name)) << name;
+}
+
+TEST(SimulateCommand, NoAerialNeedsADrive) {
+  const TempFolder folder;
+  const auto result = cairn({"simulate", kTiny.string(), "--no-aerial", "-o", (folder / "x").string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("--drive"));
+}
+
+TEST(SimulateCommand, ADriveNeedsAVehicle) {
+  const TempFolder folder;
+  const auto result = cairn({"simulate", kTiny.string(), "--drive", "-o", (folder / "x").string()});
+  EXPECT_EQ(result.exit_code, 2);
+  EXPECT_THAT(result.err, HasSubstr("drive"));
+  EXPECT_FALSE(fs::exists(folder / "x"));
+}
+
 }  // namespace
