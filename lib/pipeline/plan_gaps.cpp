@@ -282,8 +282,8 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
   const auto candidates =
       planning::candidate_views(wanted.demands, mission.camera, plan.surface, options.clearance, candidate_options);
   const auto frames = frames_of(candidates.candidates, mission.camera.id);
-  // Farther off a view finds little at its sampling distance.
-  const double reach = 2.5 * candidates.farthest_m;
+  // Candidates stand at 0.6 of the range that meets the sampling distance: beyond 1/0.6 of that nothing does.
+  const double reach = 1.7 * candidates.farthest_m;
   // A little inside the frame: the vehicle holds its place only so well.
   const double margin = std::max(0.02, audited.visibility.frame_margin);
   const auto seen = planning::sights(frames, mission.camera, wanted.demands, standing, gates, reach, margin, end_gap);

@@ -27,7 +27,7 @@ struct GapPlanOptions {
   double target = 0.95;  // share of the area to be seen that is to pass its gates
   double range_m = 0.0;  // of the candidate views; 0 = from the sampling distance, else the recorded views
   double cell_m = 1.0;   // candidates are made for pieces of the gaps of this size
-  std::int64_t max_candidates = 30000;
+  std::int64_t max_candidates = 15000;
   std::int64_t max_demands = 20000;
   std::string classes;         // of targets, separated by commas; "" = all
   std::string scope = "auto";  // auto: targets where there are any, else gaps; targets; gaps; both

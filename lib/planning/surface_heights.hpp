@@ -11,8 +11,8 @@
 namespace cairn::planning {
 
 // Highest point of the mesh in each cell, local up [m]; NaN where there is none. Upright faces count in every cell they
-// touch; a cell's value may pass the true height by what the surface rises within the cell. cell [m] > 0; coarser where
-// the grid would have more than `most_cells`. Cost: facets + cells.
+// touch. Never too low; too high by at most what a facet rises, in the cells of the facet's own box. cell [m] > 0;
+// coarser where the grid would have more than `most_cells`. Cost: facets + cells.
 [[nodiscard]] geometry::Grid<float> highest_of(const geometry::TriangleMesh& mesh, double cell,
                                                std::size_t most_cells = 16'000'000);
 

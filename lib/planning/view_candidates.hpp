@@ -16,7 +16,7 @@ struct CandidateOptions {
   double most_range_m = 50;  // where the sampling distance is not asked for, or would let views stand farther
   double cell_m = 1.0;       // demands of one cell and one facing (eight ways, or up) share their candidates
   double max_incidence_deg = 60.0;
-  std::size_t max_candidates = 30000;  // cells grow until there are no more
+  std::size_t max_candidates = 15000;  // cells grow until there are no more
 };
 
 struct ViewCandidate {

@@ -117,7 +117,7 @@ void PlanCommand::expect_sound_mission(const std::string& out) const {
     EXPECT_EQ(item.at("doJumpId").as_integer(), ++id);
     EXPECT_EQ(item.at("params").size(), 7U);
     EXPECT_EQ(never.count(item.at("command").as_integer()), 0U);
-    points += item.at("command").as_integer() == 16 ? 1 : 0;
+    if (item.at("command").as_integer() == 16) ++points;
   }
   EXPECT_EQ(points, mission.waypoints.size());
   cairn::io::CsvReader csv(fs::path(out) / "mission.csv");
