@@ -31,9 +31,7 @@ class CostmapCommand final : public Command {
     take("radius", radius_, options_.cost.radius_m);
     take("resolution", resolution_, options_.cost.resolution_m);
     base::validate(base::bind_options(options_), "costmap");
-    std::vector<std::filesystem::path> files;
-    for (const auto* file : {&in_.prior, &in_.surface, &in_.obstacles, &in_.scans, &in_.vehicle})
-      if (!file->empty()) files.push_back(*file);
+    const auto files = pipeline::costmap_files(in_);
     if (files.empty() && options_.extent.empty())
       throw base::Error(base::ErrorCode::invalid_argument, "--prior, --surface or --extent is needed")
           .hint("See 'cairn costmap --help'");

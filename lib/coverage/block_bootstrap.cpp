@@ -78,7 +78,7 @@ std::optional<CompletenessInterval> completeness_interval(const geometry::Triang
     for (const Facet& f : facets) area += f.area;
     result.block_m = std::sqrt(area / kBlocks);
   }
-  // A lattice finer than this could not be numbered; a surface that large has fewer blocks anyway.
+  // Keeps the numbers of the lattice's cells within 64 bits.
   result.block_m = std::max(result.block_m, 1e-6);
   const std::vector<Block> blocks = blocks_of(facets, result.block_m);
   result.blocks = blocks.size();

@@ -64,6 +64,10 @@ PoseRun run_pose_filter(std::span<const VehicleState> log, std::span<const surve
     run.projected.push_back(projected);
   }
   // What came behind the last state, for the record.
+  for (; sample < log.size(); ++sample) {
+    give_packets(log[sample].time_ns);
+    filter.inertial(log[sample]);
+  }
   for (; packet < packets.size(); ++packet) filter.packet(packets[packet]);
   run.updates = filter.updates();
   for (auto& u : run.updates)

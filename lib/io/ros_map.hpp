@@ -64,6 +64,9 @@ struct RosMapReading {
 // must be 0 unless it is accepted. Throws not_found or invalid_input with the line or byte.
 [[nodiscard]] RosMap read_ros_map(const std::filesystem::path& yaml, const RosMapReading& reading = {});
 
+// The image that a YAML names; the same refusals.
+[[nodiscard]] std::filesystem::path ros_map_image(const std::filesystem::path& yaml);
+
 // NAME.georeference.json.
 [[nodiscard]] MapGeoreference read_map_georeference(const std::filesystem::path& path);
 

@@ -179,6 +179,10 @@ std::uint8_t occupancy(const RosMap& map, bool negate, double shade) {
 
 }  // namespace
 
+std::filesystem::path ros_map_image(const std::filesystem::path& path) {
+  return image_path(YamlFile(path), path);
+}
+
 RosMap read_ros_map(const std::filesystem::path& path, const RosMapReading& reading) {
   const YamlFile yaml(path);
   RosMap map;

@@ -13,10 +13,15 @@
 namespace cairn::io {
 namespace {
 
-std::string lower(std::string_view text) {
-  std::string out(base::trim(text));
-  for (char& c : out)
-    if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
+// "Time [s]", "Vx (m/s)" and "pose.position.x" as time_s, vx_m_s and pose_position_x.
+std::string plain_name(std::string_view text) {
+  std::string out;
+  for (const char c : base::trim(text)) {
+    if (c >= 'A' && c <= 'Z') out += static_cast<char>(c - 'A' + 'a');
+    else if ((c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '%') out += c;
+    else if (!out.empty() && out.back() != '_') out += '_';
+  }
+  while (!out.empty() && out.back() == '_') out.pop_back();
   return out;
 }
 
@@ -34,7 +39,7 @@ struct Alias {
 class Table {
  public:
   explicit Table(CsvReader& csv) : csv_(csv) {
-    for (const auto& name : csv.header()) names_.push_back(lower(name));
+    for (const auto& name : csv.header()) names_.push_back(plain_name(name));
   }
   [[nodiscard]] std::optional<Column> find(std::initializer_list<Alias> aliases) const {
     for (const auto& alias : aliases)
@@ -92,6 +97,7 @@ Columns columns_of(const Table& t) {
   c.time = t.find({{"time_ns", 1e-9},
                    {"timestamp_ns", 1e-9},
                    {"stamp_ns", 1e-9},
+                   {"%time", 1e-9},
                    {"capture_time_ns", 1e-9},
                    {"time_us", 1e-6},
                    {"timestamp_us", 1e-6},
@@ -112,7 +118,11 @@ Columns columns_of(const Table& t) {
                 {"e", 1.0},
                 {"px", 1.0},
                 {"position_x", 1.0},
-                {"pos_x", 1.0}});
+                {"pos_x", 1.0},
+                {"pose_position_x", 1.0},
+                {"pose_pose_position_x", 1.0},
+                {"field_pose_pose_position_x", 1.0},
+                {"field_pose_position_x", 1.0}});
   c.y = t.find({{"y_m", 1.0},
                 {"y", 1.0},
                 {"north_m", 1.0},
@@ -120,7 +130,11 @@ Columns columns_of(const Table& t) {
                 {"n", 1.0},
                 {"py", 1.0},
                 {"position_y", 1.0},
-                {"pos_y", 1.0}});
+                {"pos_y", 1.0},
+                {"pose_position_y", 1.0},
+                {"pose_pose_position_y", 1.0},
+                {"field_pose_pose_position_y", 1.0},
+                {"field_pose_position_y", 1.0}});
   c.latitude = t.find({{"latitude_deg", 1.0}, {"lat_deg", 1.0}, {"latitude", 1.0}, {"lat", 1.0}});
   c.longitude = t.find({{"longitude_deg", 1.0}, {"lon_deg", 1.0}, {"longitude", 1.0}, {"lon", 1.0}, {"lng", 1.0}});
   c.vx = t.find({{"vx_m_s", 1.0}, {"vx", 1.0}, {"v_east", 1.0}, {"ve", 1.0}, {"velocity_x", 1.0}, {"vel_x", 1.0}});

@@ -39,6 +39,18 @@ const Grid<float>* band(const io::Raster& raster, std::string_view name) {
   return nullptr;
 }
 
+// Stage `terrain` writes "highest points of each cell, ellipsoidal height".
+std::string named_datum(const io::Raster& raster, const Grid<float>* heights) {
+  constexpr std::string_view kEnd = " height";
+  for (const auto& b : raster.bands) {
+    if (std::get_if<Grid<float>>(&b.values) != heights || !b.description.ends_with(kEnd)) continue;
+    const std::string text = b.description.substr(0, b.description.size() - kEnd.size());
+    const std::size_t comma = text.rfind(", ");
+    return comma == std::string::npos ? text : text.substr(comma + 2);
+  }
+  return {};
+}
+
 AuditedSurface from_raster(const std::filesystem::path& path, const std::optional<geodesy::LocalFrame>& frame) {
   const io::Raster raster = io::read_raster(path);
   if (!frame)
@@ -58,6 +70,7 @@ AuditedSurface from_raster(const std::filesystem::path& path, const std::optiona
   surface.mesh = std::move(made.mesh);
   surface.grid = heights->geometry;
   surface.crs = raster.crs;
+  surface.height_datum = named_datum(raster, heights);
   surface.facet_cell = std::move(made.facet_cell);
   if (const Grid<float>* observed = band(raster, "observed")) {
     surface.observed.reserve(surface.facet_cell.size());

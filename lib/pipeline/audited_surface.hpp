@@ -20,6 +20,7 @@ struct AuditedSurface {
   // Of a raster: its grid and CRS, and the cell of each facet. Empty for a mesh.
   std::optional<geometry::GridGeometry> grid;
   std::string crs;
+  std::string height_datum;  // of a raster that names it: "ellipsoidal", "orthometric (egm96)", ..
   std::vector<std::uint32_t> facet_cell;
   bool targets_themselves = false;  // the mesh is the cylinders of targets
   std::vector<std::string> notes;   // what was assumed

@@ -273,6 +273,18 @@ io::MapMode mode_of(const std::string& name) {
 
 }  // namespace
 
+std::vector<fs::path> costmap_files(const CostmapInputs& in) {
+  std::vector<fs::path> files;
+  for (const auto* file : {&in.prior, &in.surface, &in.obstacles, &in.scans, &in.vehicle})
+    if (!file->empty()) files.push_back(*file);
+  if (in.prior.extension() != ".yaml" && in.prior.extension() != ".yml") return files;
+  files.push_back(io::ros_map_image(in.prior));
+  fs::path sidecar = in.prior;
+  sidecar.replace_extension(".georeference.json");
+  if (fs::exists(sidecar)) files.push_back(sidecar);
+  return files;
+}
+
 Outcome costmap_stage(const CostmapInputs& in, const fs::path& out, const CostmapStageOptions& given,
                       base::RunContext& ctx) {
   CostmapStageOptions options = given;

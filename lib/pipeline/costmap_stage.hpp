@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 #include "base/options.hpp"
 #include "base/run_context.hpp"
@@ -60,6 +61,10 @@ struct CostmapStageOptions {
     v.integer("strip-rows", strip_rows, 0, 1'000'000, "rows computed at once; 0 = by memory");
   }
 };
+
+// Every file that the stage will read, a ROS map's image and sidecar included. Throws not_found, or invalid_input for a
+// YAML that is no map.
+[[nodiscard]] std::vector<std::filesystem::path> costmap_files(const CostmapInputs& in);
 
 // Writes costmap.tif (bands `cost` by paper B's equation (9), `occupancy` 0/100, and one for each source; all 255 =
 // unknown), map.pgm or .png + map.yaml, keepout.pgm + keepout.yaml + keepout_params.yaml, map.georeference.json and

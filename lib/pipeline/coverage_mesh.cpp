@@ -2,7 +2,6 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <utility>
 
 #include "base/number_text.hpp"
@@ -93,9 +92,21 @@ const std::vector<std::string>& colour_metrics() {
 void write_coloured_mesh(const std::filesystem::path& folder, const geometry::TriangleMesh& mesh,
                          const FacetCoverage& metrics, const Audit& audit, const std::string& metric) {
   const Scale scale = scale_of(metric, metrics, audit);
-  // Facets of one colour share their vertices; where colours meet, vertices are doubled.
-  std::map<std::pair<std::uint32_t, Colour>, std::uint32_t> copies;
+  // Facets of one colour share their vertices; where colours meet, vertices are doubled. The copies of a vertex form a
+  // chain, by index.
+  constexpr std::uint32_t kEnd = 0xFFFFFFFFU;
+  std::vector<std::uint32_t> newest(mesh.vertices.size(), kEnd), before;
   geometry::TriangleMesh painted;
+  const auto copy_of = [&](std::uint32_t vertex, const Colour& colour) {
+    for (std::uint32_t c = newest[vertex]; c != kEnd; c = before[c])
+      if (painted.colours[c] == colour) return c;
+    const auto made = static_cast<std::uint32_t>(painted.vertices.size());
+    painted.vertices.push_back(mesh.vertices[vertex]);
+    painted.colours.push_back(colour);
+    before.push_back(newest[vertex]);
+    newest[vertex] = made;
+    return made;
+  };
   for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
     const geometry::Triangle& t = mesh.triangles[f];
     const std::size_t count = mesh.vertices.size();
@@ -103,17 +114,7 @@ void write_coloured_mesh(const std::filesystem::path& folder, const geometry::Tr
         !(mesh.area_vector(f).squaredNorm() > 0.0))
       continue;
     const Colour colour = audit.verdicts[f] == coverage::Verdict::no_data ? kNoData : scale.colour(f);
-    geometry::Triangle made{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto [copy, added] =
-          copies.try_emplace({t[k], colour}, static_cast<std::uint32_t>(painted.vertices.size()));
-      if (added) {
-        painted.vertices.push_back(mesh.vertices[t[k]]);
-        painted.colours.push_back(colour);
-      }
-      made[k] = copy->second;
-    }
-    painted.triangles.push_back(made);
+    painted.triangles.push_back({copy_of(t[0], colour), copy_of(t[1], colour), copy_of(t[2], colour)});
   }
   if (painted.triangles.empty()) return;
   io::write_ply(folder / "coverage.ply", painted,

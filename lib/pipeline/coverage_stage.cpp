@@ -6,11 +6,13 @@
 #include <utility>
 
 #include "base/atomic_file.hpp"
+#include "base/error.hpp"
 #include "base/number_text.hpp"
 #include "coverage/large_facets.hpp"
 #include "geodesy/local_frame.hpp"
 #include "io/gaps_json.hpp"
 #include "io/survey_json.hpp"
+#include "io/vector_layer.hpp"
 #include "pipeline/audited_surface.hpp"
 #include "pipeline/coverage_frames.hpp"
 #include "pipeline/coverage_products.hpp"
@@ -48,6 +50,31 @@ io::Json definitions() {
        {"area_m2", "surface area of the observed facets"},
        {"no_data", "facets that were interpolated or closed: never counted as covered"},
        {"kind", "predicted visibility: computed from poses and surface, not from the images"}});
+}
+
+// A raster that names its datum must have that of the views.
+void require_same_datum(const AuditedSurface& surface, const CoverageViews& views, const fs::path& path) {
+  if (surface.height_datum.empty() || !views.origin) return;
+  const std::string expected = io::height_type_text(views.origin->height_type, views.origin->geoid);
+  if (surface.height_datum != expected)
+    throw base::Error(base::ErrorCode::crs_mismatch, "surface and views measure heights from different datums")
+        .file(path.string())
+        .found(surface.height_datum)
+        .allowed(expected)
+        .hint("Import the views with heights of that datum: cairn import dji --takeoff-height, --takeoff-datum.");
+}
+
+// Views with the surface above them and none below.
+std::size_t views_below(const visibility::Scene& scene, const coverage::ViewSet& set) {
+  std::vector<geometry::Ray> down, up;
+  for (const coverage::View& view : set.views) {
+    down.push_back({view.T_world_camera.translation, -geometry::Vec3::UnitZ()});
+    up.push_back({view.T_world_camera.translation, geometry::Vec3::UnitZ()});
+  }
+  const auto ground = scene.cast(down), roof = scene.cast(up);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < ground.size(); ++i) count += !ground[i].hit() && roof[i].hit() ? 1U : 0U;
+  return count;
 }
 
 // What was judged: the facets of the surface, the large ones in pieces.
@@ -198,6 +225,7 @@ Outcome coverage_stage(const CoverageInputs& in, const fs::path& out, const Cove
   std::optional<geodesy::LocalFrame> frame;
   if (views.origin) frame.emplace(views.origin->position);
   const AuditedSurface surface = read_audited_surface(in.surface, frame, ctx);
+  require_same_datum(surface, views, in.surface);
   for (const auto& note : surface.notes) ctx.warn(in.surface.filename().string() + ": " + note);
   if (views.set.views.empty()) ctx.warn("There are no views: nothing is covered");
   ctx.check_memory(300 * static_cast<std::uint64_t>(surface.mesh.triangles.size()), "coverage");
@@ -205,6 +233,10 @@ Outcome coverage_stage(const CoverageInputs& in, const fs::path& out, const Cove
 
   // The counts are those of a plain Embree loop; see visibility::Tracing.
   const visibility::Scene scene(surface.mesh, visibility::Tracing::fast);
+  const std::size_t below = views_below(scene, views.set);
+  if (below > 0)
+    ctx.warn(std::to_string(below) + " of " + std::to_string(views.set.views.size()) +
+             " views stand below the surface: are heights of views and surface measured from the same datum?");
   Judged judged = cut(surface, options.sample_edge_m, ctx);
   const geometry::TriangleMesh& mesh = judged.mesh(surface);
   judged.metrics = coverage::coverage(mesh, scene, views.set, checked.visibility, ctx);
@@ -224,6 +256,7 @@ Outcome coverage_stage(const CoverageInputs& in, const fs::path& out, const Cove
                                               {"draws", options.bootstrap.replicates}}));
   }
   summary.set("frames", views.set.views.size());
+  summary.set("frames_below_surface", below);
   summary.set("gaps", gaps.size());
   double gap_area = 0.0;
   for (const auto& gap : gaps) gap_area += gap.area_m2;

@@ -63,9 +63,33 @@ io::Json histogram(const Observed& o, const std::string& metric, const std::stri
   return h;
 }
 
+using Weighted = std::vector<std::pair<double, double>>;  // value, weight
+
+// The value at which the weights of the smaller ones and its own reach `weight`. Reorders the values.
+double weighted_select(Weighted& values, double weight) {
+  auto begin = values.begin(), end = values.end();
+  constexpr std::ptrdiff_t kFew = 32;
+  while (end - begin > kFew) {
+    const auto middle = begin + (end - begin) / 2;
+    std::nth_element(begin, middle, end);
+    double left = 0.0;
+    for (auto it = begin; it != middle; ++it) left += it->second;
+    if (left >= weight) {
+      end = middle;
+    } else {
+      weight -= left;
+      begin = middle;
+    }
+  }
+  std::sort(begin, end);
+  for (; begin != end - 1; ++begin)
+    if ((weight -= begin->second) <= 0.0) break;
+  return begin->first;
+}
+
 // Area-weighted percentiles over the facets that have the value.
 io::Json percentiles(const Observed& o, const Value& value) {
-  std::vector<std::pair<double, double>> values;
+  Weighted values;
   double total = 0.0;
   for (std::size_t k = 0; k < o.facets.size(); ++k) {
     const double v = value(o.facets[k]);
@@ -74,13 +98,7 @@ io::Json percentiles(const Observed& o, const Value& value) {
     total += o.area_m2[k];
   }
   if (values.empty()) return {};
-  std::sort(values.begin(), values.end());
-  const auto at = [&](double share) {
-    double sum = 0.0;
-    for (const auto& [v, area] : values)
-      if ((sum += area) >= share * total) return v;
-    return values.back().first;
-  };
+  const auto at = [&](double share) { return weighted_select(values, share * total); };
   return io::Json::object({{"p5", at(0.05)}, {"median", at(0.5)}, {"p95", at(0.95)}});
 }
 

@@ -15,6 +15,7 @@
 #include "pipeline/audited_surface.hpp"
 #include "pipeline/coverage_targets.hpp"
 #include "pipeline/coverage_views.hpp"
+#include "pipeline/plan_audited.hpp"
 #include "pipeline/plan_mission.hpp"
 #include "planning/camera_aim.hpp"
 #include "planning/view_candidates.hpp"
@@ -29,80 +30,6 @@ using base::ErrorCode;
 using geometry::TriangleMesh;
 using geometry::Vec3;
 using planning::Demand;
-
-// What the audit was made of.
-struct Audited {
-  fs::path surface, views, targets, contacts;
-  std::string format = "auto";
-  coverage::CoverageOptions visibility;
-  coverage::GateOptions gates;
-  coverage::GapOptions gaps;
-  coverage::TargetOptions target_options;
-};
-
-fs::path named(const io::Json& arguments, const char* name) {
-  const io::Json* value = arguments.find(name);
-  return value != nullptr && value->is_string() ? fs::path(value->as_string()) : fs::path();
-}
-
-// Options of the audit, as run.json has them.
-class FromArguments final : public base::OptionVisitor {
- public:
-  explicit FromArguments(const io::Json& arguments) : arguments_(arguments) {}
-  void real(std::string_view name, double& value, double, double, std::string_view) override {
-    if (const io::Json* json = arguments_.find(name); json != nullptr && json->is_number()) value = json->as_real();
-  }
-  void integer(std::string_view name, std::int64_t& value, std::int64_t, std::int64_t, std::string_view) override {
-    if (const io::Json* json = arguments_.find(name); json != nullptr && json->is_integer()) value = json->as_integer();
-  }
-  void flag(std::string_view, bool&, std::string_view) override {}
-  void choice(std::string_view, std::string&, const std::vector<std::string>&, std::string_view) override {}
-  void text(std::string_view, std::string&, std::string_view) override {}
-
- private:
-  const io::Json& arguments_;
-};
-
-Audited read_audited(const PlanInputs& in) {
-  const fs::path record = in.coverage / "run.json";
-  if (!fs::exists(record))
-    throw Error(ErrorCode::not_found, "this is no result of 'cairn coverage'")
-        .file(in.coverage.string())
-        .hint("Give the folder that 'cairn coverage' or 'cairn run' wrote");
-  const io::Json run = io::read_json(record);
-  Audited audited;
-  const io::Json* command = run.find("command");
-  if (command != nullptr && command->is_string() && command->as_string() == "coverage") {
-    const io::Json& arguments = run.at("arguments");
-    audited.surface = named(arguments, "surface");
-    audited.views = named(arguments, "views");
-    audited.targets = named(arguments, "targets");
-    audited.contacts = named(arguments, "contacts");
-    if (const fs::path format = named(arguments, "format"); !format.empty()) audited.format = format.string();
-    FromArguments visitor(arguments);
-    audited.visibility.visit(visitor);
-    audited.gates.visit(visitor);
-    audited.gaps.visit(visitor);
-    audited.target_options.visit(visitor);
-  } else {
-    // A recipe's products.
-    if (fs::exists(in.coverage / "surface.tif")) audited.surface = in.coverage / "surface.tif";
-    if (fs::exists(in.coverage / "targets.json")) audited.targets = in.coverage / "targets.json";
-  }
-  if (!in.terrain.empty()) audited.surface = in.terrain;
-  if (!in.survey.empty()) audited.views = in.survey;
-  if (!in.targets.empty()) audited.targets = in.targets;
-  const auto needed = [&](const fs::path& path, const char* what, const char* option) {
-    if (!path.empty() && fs::exists(path)) return;
-    throw Error(ErrorCode::not_found, std::string("the audit's ") + what + " is not there")
-        .file(path.empty() ? record.string() : path.string())
-        .hint(std::string("Give it with ") + option + ", or run from the folder the audit was run in");
-  };
-  needed(audited.surface, "surface", "--terrain");
-  needed(audited.views, "views", "--survey");
-  if (!audited.targets.empty()) needed(audited.targets, "file of targets", "--targets");
-  return audited;
-}
 
 // Demands and what they stand for.
 struct Wanted {
@@ -291,6 +218,7 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
     auto read = read_coverage_targets(audited.targets, audited.contacts, views.origin);
     bodies = std::move(read.bodies);
     plan.rejects = std::move(read.rejects);
+    keep_classes(bodies, plan.rejects, audited.targets, options.gaps.classes);
   }
   const bool see_targets = options.gaps.scope == "targets" || options.gaps.scope == "both" ||
                            (options.gaps.scope == "auto" && !bodies.empty());
@@ -354,7 +282,8 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
   const auto candidates =
       planning::candidate_views(wanted.demands, mission.camera, plan.surface, options.clearance, candidate_options);
   const auto frames = frames_of(candidates.candidates, mission.camera.id);
-  const double reach = 2.0 * std::max(candidate_options.most_range_m, options.gaps.range_m);
+  // Farther off a view finds little at its sampling distance.
+  const double reach = 2.5 * candidates.farthest_m;
   // A little inside the frame: the vehicle holds its place only so well.
   const double margin = std::max(0.02, audited.visibility.frame_margin);
   const auto seen = planning::sights(frames, mission.camera, wanted.demands, standing, gates, reach, margin, end_gap);
@@ -404,12 +333,19 @@ GapPlan plan_gaps(const PlanInputs& in, const PlanStageOptions& options, base::R
   if (see_targets) {
     const auto after = audit_targets(both);
     double wall_before = 1.0, wall_after = 1.0, top_after = 1.0;
+    double area = 0.0, passed_before = 0.0, passed_after = 0.0;
     for (std::size_t i = 0; i < after.targets.size(); ++i) {
+      const double a = after.targets[i].wall.area_m2;
+      area += a;
+      passed_before += a * targets_before.targets[i].wall.completeness();
+      passed_after += a * after.targets[i].wall.completeness();
       wall_before = std::min(wall_before, targets_before.targets[i].wall.completeness());
       wall_after = std::min(wall_after, after.targets[i].wall.completeness());
       top_after = std::min(top_after, after.targets[i].top.completeness());
     }
     figures.emplace_back("targets", after.targets.size());
+    figures.emplace_back("walls_before", area > 0.0 ? passed_before / area : 0.0);
+    figures.emplace_back("walls_after", area > 0.0 ? passed_after / area : 0.0);
     figures.emplace_back("least_wall_before", wall_before);
     figures.emplace_back("least_wall_after", wall_after);
     figures.emplace_back("least_top_after", top_after);

@@ -151,10 +151,12 @@ struct Cylinder {
   geometry::VerticalCylinder shape;
 };
 
-std::vector<Cylinder> cylinders_of(const io::TargetsFile& file, std::vector<base::Reject>& rejects) {
+std::vector<Cylinder> cylinders_of(const io::TargetsFile& file, const std::string& classes,
+                                   std::vector<base::Reject>& rejects) {
   std::vector<Cylinder> cylinders;
   for (const survey::Target& target : file.targets) {
     if (target.state == survey::TargetState::deregistered) continue;
+    if (!classes.empty() && ("," + classes + ",").find("," + target.object_class + ",") == std::string::npos) continue;
     const std::string record = "target " + std::to_string(target.id.value);
     const auto shape = target.refined ? std::optional(target.refined->cylinder) : target.bcylinder;
     if (!shape) {
@@ -242,7 +244,7 @@ Outcome plan_targets(const PlanInputs& in, const fs::path& out, const PlanStageO
     site = *given;
   }
   std::vector<base::Reject> rejects;
-  const auto cylinders = cylinders_of(file, rejects);
+  const auto cylinders = cylinders_of(file, options.gaps.classes, rejects);
   const geodesy::LocalFrame frame(site.origin.position);
   // Without a terrain the targets' own feet are the ground.
   std::optional<planning::SurfaceHeights> surface;

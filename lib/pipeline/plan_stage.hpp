@@ -27,8 +27,9 @@ struct GapPlanOptions {
   double target = 0.95;  // share of the area to be seen that is to pass its gates
   double range_m = 0.0;  // of the candidate views; 0 = from the sampling distance, else the recorded views
   double cell_m = 1.0;   // candidates are made for pieces of the gaps of this size
-  std::int64_t max_candidates = 6000;
+  std::int64_t max_candidates = 30000;
   std::int64_t max_demands = 20000;
+  std::string classes;         // of targets, separated by commas; "" = all
   std::string scope = "auto";  // auto: targets where there are any, else gaps; targets; gaps; both
 
   void visit(base::OptionVisitor& v) {
@@ -37,6 +38,7 @@ struct GapPlanOptions {
     v.real("gap-cell-m", cell_m, 0.05, 100.0, "size of the pieces of a gap that candidate views are made for");
     v.integer("max-candidates", max_candidates, 500, 1'000'000, "candidate views, at most");
     v.integer("max-demands", max_demands, 10, 10'000'000, "pieces of surface that are looked at, at most");
+    v.text("classes", classes, "gaps, cylinder: classes of the targets, separated by commas; empty = all");
     v.choice("scope", scope, {"auto", "targets", "gaps", "both"},
              "what to see again: the walls and tops of targets, the gaps of the surface, or both");
   }

@@ -4,12 +4,14 @@
 #include <cmath>
 #include <iterator>
 #include <limits>
+#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/memory.hpp"
 #include "base/number_text.hpp"
 #include "base/parallel.hpp"
+#include "segmentation/find_rocks.hpp"
 #include "segmentation/plan_index.hpp"
 
 namespace cairn::pipeline {
@@ -189,10 +191,10 @@ TileOutcome segment_tile(const TilePoints& points, const Tile& tile, const GridG
   for (std::size_t i = 0; i < points.positions.size(); ++i)
     if (ground.classes[i] == PointClass::ground && own.cell_at(points.positions[i].head<2>()))
       outcome.ground.push_back(points.index[i]);
-  auto candidates = segmentation::find_candidates(points.positions, ground, options.candidates);
+  const segmentation::PlanIndex plan(points.positions, std::max(grid.cell, 0.25));
+  auto candidates = segmentation::find_rocks(points.positions, ground, plan, options.candidates);
   std::erase_if(candidates, [&](const Candidate& c) { return !own.cell_at(c.centre); });
   if (candidates.empty()) return outcome;
-  const segmentation::PlanIndex plan(points.positions, std::max(grid.cell, 0.25));
   outcome.objects.resize(candidates.size());
   base::parallel_for(candidates.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t c = begin; c < end; ++c)
@@ -210,8 +212,10 @@ void settle(TiledSegments& result, const GridGeometry& grid) {
     return std::pair(std::llround((grid.north - p.y()) / grid.cell - 0.5),
                      std::llround((p.x() - grid.west) / grid.cell - 0.5));
   };
-  std::sort(result.objects.begin(), result.objects.end(),
-            [&](const TiledObject& a, const TiledObject& b) { return place(a) < place(b); });
+  std::sort(result.objects.begin(), result.objects.end(), [&](const TiledObject& a, const TiledObject& b) {
+    const Vec2 &p = a.candidate.centre, &q = b.candidate.centre;  // parts of one object may share a cell
+    return std::tuple(place(a), -p.y(), p.x()) < std::tuple(place(b), -q.y(), q.x());
+  });
   std::uint32_t next = 1;
   for (TiledObject& object : result.objects) object.target_id = next++;
   for (const bool rocks : {true, false})

@@ -26,7 +26,7 @@ using io::Json;
 using survey::VehicleState;
 
 // Reasons of positions that are no vehicle, or not the one: found by the filter as it should.
-constexpr std::array kFalse{"impossible_move", "outside_gate", "not_nearest", "after_log", "before_log"};
+constexpr std::array kFalse{"impossible_move", "outside_gate", "not_nearest", "after_log", "before_log", "too_late"};
 
 void write_comparison(const fs::path& path, const ground::PoseRun& run, std::span<const VehicleState> truth) {
   io::CsvWriter csv(path, {"time_ns", "filter_x_m", "filter_y_m", "log_x_m", "log_y_m", "dead_reckoned_x_m",
@@ -190,7 +190,7 @@ Outcome vehicle_stage(const VehicleInputs& in, const fs::path& out, const Vehicl
   io::write_vehicle_csv(out / "vehicle.csv", run.filtered);
   write_comparison(out / "comparison.csv", run, recording.truth);
   write_residuals(out / "residuals.csv", run.updates);
-  if (used.replay) io::write_packets(out / "packets.bin", recording.packets);
+  if (used.replay) io::write_packets(out / "packets_replayed.bin", recording.packets);
   if (used.plot)
     base::write_file(out / "vehicle.svg", vehicle_plot(run.filtered, run.inertial, recording.truth, run.updates));
 

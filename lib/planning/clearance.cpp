@@ -17,7 +17,8 @@ constexpr double kStep = 0.5;  // m between the points of a leg that are tested
 }  // namespace
 
 std::optional<double> least_up(const Vec2& p, const SurfaceHeights& surface, const ClearanceOptions& options) {
-  const auto highest = surface.highest(p, options.clearance_radius_m);
+  auto highest = surface.highest(p, options.clearance_radius_m);
+  if (!highest) highest = surface.highest(p, options.unknown_reach_m);
   if (!highest) return std::nullopt;
   return *highest + options.clearance_m;
 }
@@ -33,7 +34,8 @@ std::vector<Vec3> safe_leg(const Vec3& a, const Vec3& b, const SurfaceHeights& s
     const double t = static_cast<double>(i) / static_cast<double>(pieces);
     const Vec3 p = a + t * (b - a);
     // Between two samples nothing is missed: each looks half a step farther.
-    const auto highest = surface.highest(p.head<2>(), options.clearance_radius_m + 0.5 * kStep);
+    auto highest = surface.highest(p.head<2>(), options.clearance_radius_m + 0.5 * kStep);
+    if (!highest) highest = surface.highest(p.head<2>(), options.unknown_reach_m);
     const bool end = i == 0 || i == pieces;
     const double least = highest ? *highest + options.clearance_m : unknown;
     if (!end) straight = straight && p.z() >= least;

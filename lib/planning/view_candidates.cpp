@@ -82,6 +82,7 @@ CandidateViews candidate_views(std::span<const Demand> demands, const survey::Ca
       double range = options.range_m;
       if (range <= 0.0)
         range = cell.gsd > 0.0 ? std::min(options.most_range_m, kFiner * cell.gsd * focal) : options.most_range_m;
+      result.farthest_m = std::max(result.farthest_m, range);
       for (const double at : {range, kSecondRange * range})
         for (const Vec3& d : all) {
           if (d.dot(cell.normal) < steepest) continue;

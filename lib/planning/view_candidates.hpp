@@ -16,7 +16,7 @@ struct CandidateOptions {
   double most_range_m = 50;  // where the sampling distance is not asked for, or would let views stand farther
   double cell_m = 1.0;       // demands of one cell and one facing (eight ways, or up) share their candidates
   double max_incidence_deg = 60.0;
-  std::size_t max_candidates = 6000;  // cells grow until there are no more
+  std::size_t max_candidates = 30000;  // cells grow until there are no more
 };
 
 struct ViewCandidate {
@@ -29,6 +29,7 @@ struct CandidateViews {
   std::size_t too_low = 0;  // left out: closer to the surface than the clearance even when raised
   std::size_t unknown = 0;  // left out: over ground that is not known
   double cell_m = 0.0;      // used
+  double farthest_m = 0.0;  // range used
 };
 
 // For each cell of demands: from its middle along 24 azimuths, elevations of 10 to 80 deg and straight up, at the range

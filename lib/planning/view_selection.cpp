@@ -131,6 +131,10 @@ std::vector<std::vector<Sight>> sights(std::span<const survey::Frame> views, con
                                        const ViewGates& gates, double max_range, double frame_margin, double end_gap) {
   std::vector<std::vector<Sight>> all(views.size());
   const double steepest = std::cos(base::deg_to_rad(gates.max_incidence_deg));
+  std::vector<std::uint32_t> by_east(demands.size());
+  std::iota(by_east.begin(), by_east.end(), 0U);
+  std::stable_sort(by_east.begin(), by_east.end(),
+                   [&](std::uint32_t a, std::uint32_t b) { return demands[a].centre.x() < demands[b].centre.x(); });
   base::parallel_for(views.size(), 16, [&](std::size_t begin, std::size_t end) {
     std::vector<Vec3> targets;
     std::vector<std::uint8_t> blocked;
@@ -139,8 +143,10 @@ std::vector<std::vector<Sight>> sights(std::span<const survey::Frame> views, con
       const auto T_camera_world = views[v].T_world_camera.inverse();
       const Vec3 eye = views[v].T_world_camera.translation;
       targets.clear();
-      for (std::size_t i = 0; i < demands.size(); ++i) {
-        const Demand& demand = demands[i];
+      auto next = std::lower_bound(by_east.begin(), by_east.end(), eye.x() - max_range,
+                                   [&](std::uint32_t i, double east) { return demands[i].centre.x() < east; });
+      for (; next != by_east.end() && demands[*next].centre.x() <= eye.x() + max_range; ++next) {
+        const Demand& demand = demands[*next];
         const Vec3 d = eye - demand.centre;
         const double squared = d.squaredNorm();
         const double facing = demand.normal.dot(d);
@@ -151,9 +157,8 @@ std::vector<std::vector<Sight>> sights(std::span<const survey::Frame> views, con
         const double range = std::sqrt(squared), cosine = facing / range;
         const double gsd = std::sqrt(p.z() * p.z() * p.z() / (range * camera.fx_px * camera.fy_px * cosine));
         const Vec3 unit = d / range;
-        seen.push_back({static_cast<std::uint32_t>(i), static_cast<float>(unit.x()), static_cast<float>(unit.y()),
-                        static_cast<float>(unit.z()), cosine >= steepest,
-                        demand.max_gsd_m <= 0.0 || gsd <= demand.max_gsd_m});
+        seen.push_back({*next, static_cast<float>(unit.x()), static_cast<float>(unit.y()), static_cast<float>(unit.z()),
+                        cosine >= steepest, demand.max_gsd_m <= 0.0 || gsd <= demand.max_gsd_m});
         targets.push_back(demand.centre);
       }
       blocked.assign(targets.size(), 0);

@@ -39,8 +39,8 @@ struct Sight {
 
 // What each view sees of the demands: inside the frame with this margin (fraction), facing, and not blocked on the
 // segment from the camera to the centre without its last `end_gap`. The ground sampling distance is that of module
-// `coverage`, the distortion's magnification left out. Ascending by demand. Views beyond `max_range` [m] see nothing.
-// Cost: views x demands within the range. Results do not depend on threads.
+// `coverage`, the distortion's magnification left out. Demands beyond `max_range` [m] are not looked at.
+// Cost: views x demands within the range to the east and west. Results do not depend on threads.
 [[nodiscard]] std::vector<std::vector<Sight>> sights(std::span<const survey::Frame> views, const survey::Camera& camera,
                                                      std::span<const Demand> demands, const visibility::Scene& scene,
                                                      const ViewGates& gates, double max_range,

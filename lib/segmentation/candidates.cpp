@@ -16,6 +16,7 @@ using geometry::GridGeometry;
 using geometry::Vec2;
 using geometry::Vec3;
 
+constexpr double kFirmShare = 0.5;  // of the least height of an object
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
 // The cell of p, clamped to the grid (points on its very edge).
@@ -68,20 +69,37 @@ std::vector<Candidate> find_candidates(std::span<const Vec3> points, const Groun
   CandidateOptions checked = options;
   base::validate(base::bind_options(checked), "candidates");
   const GridGeometry& g = ground.surface.height.geometry;
-  Grid<std::uint8_t> above(g, 0);
-  for (std::size_t i = 0; i < points.size(); ++i)
-    if (ground.classes[i] == PointClass::above) above.values[cell_of(g, points[i])] = 1;
+  // Noise lifts a point here and there out of the ground's tolerance: such cells do not join objects, those at the
+  // side of an object belong to it.
+  const double firm = kFirmShare * options.min_height_m;
+  Grid<std::uint8_t> above(g, 0), touched(g, 0);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (ground.classes[i] != PointClass::above) continue;
+    const std::size_t k = cell_of(g, points[i]);
+    touched.values[k] = 1;
+    if (ground.surface.height_above(points[i]) >= firm) above.values[k] = 1;
+  }
   const double gap = options.join_gap_m > 0.0 ? options.join_gap_m : g.cell;
   // Neighbours over a corner or side are connected anyway, so a gap of n cells needs a reach of n / 2.
   const auto reach = static_cast<std::size_t>(std::ceil(0.5 * gap / g.cell - 1e-9));
   const Grid<std::uint8_t> mask = closed_mask(above, reach);
   Grid<std::uint32_t> group;
   const std::uint32_t count = number_groups(mask, group);
+  const Grid<std::uint32_t> inner = group;
+  for (std::size_t k = 0; k < touched.values.size(); ++k) {
+    if (touched.values[k] == 0 || inner.values[k] != kNoGroup) continue;
+    const std::size_t r = k / g.columns, c = k % g.columns;
+    for (std::size_t i = r - (r > 0 ? 1U : 0U); i <= std::min(r + 1, g.rows - 1); ++i)
+      for (std::size_t j = c - (c > 0 ? 1U : 0U); j <= std::min(c + 1, g.columns - 1); ++j)
+        group.values[k] = std::min(group.values[k], inner.values[i * g.columns + j]);
+  }
 
   std::vector<Candidate> found(count);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (ground.classes[i] != PointClass::above) continue;
-    Candidate& object = found[group.values[cell_of(g, points[i])]];
+    const std::uint32_t number = group.values[cell_of(g, points[i])];
+    if (number == kNoGroup) continue;
+    Candidate& object = found[number];
     object.points.push_back(static_cast<std::uint32_t>(i));
     object.height = std::max(object.height, ground.surface.height_above(points[i]));
   }
@@ -90,7 +108,7 @@ std::vector<Candidate> find_candidates(std::span<const Vec3> points, const Groun
     const std::size_t r = k / g.columns, c = k % g.columns;
     Candidate& object = found[group.values[k]];
     if (object.area == 0.0 && object.anchor.isZero()) object.anchor = g.centre(r, c);
-    object.area += above.values[k] != 0 ? g.cell * g.cell : 0.0;
+    object.area += touched.values[k] != 0 ? g.cell * g.cell : 0.0;
     object.touches_border |= r == 0 || c == 0 || r + 1 == g.rows || c + 1 == g.columns;
   }
   std::erase_if(found, [&](const Candidate& c) {

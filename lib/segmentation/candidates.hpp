@@ -34,7 +34,8 @@ struct Candidate {
   bool touches_border = false;                     // of the grid: the object may go on beyond
 };
 
-// Connected groups (8 neighbours, after closing by join_gap_m) of cells of the ground grid with points `above`.
+// Connected groups (8 neighbours, after closing by join_gap_m) of cells of the ground grid with points `above` that
+// stand at least half of min_height_m above the ground; points `above` in the cells beside a group belong to it.
 // Order: by the northernmost, then westernmost cell, so that results do not depend on the order of the points.
 // Limits: plan view only; objects under a tree crown are one with it. Cost linear.
 [[nodiscard]] std::vector<Candidate> find_candidates(std::span<const geometry::Vec3> points,

@@ -6,6 +6,7 @@
 
 #include "base/number_text.hpp"
 #include "base/parallel.hpp"
+#include "segmentation/find_rocks.hpp"
 #include "segmentation/patch_graph.hpp"
 #include "segmentation/plan_index.hpp"
 
@@ -186,12 +187,13 @@ RockCuts segment_rocks(const geometry::PointCloud& cloud, const std::vector<Rock
 std::vector<RockTarget> find_rock_targets(const geometry::PointCloud& cloud, base::RunContext& ctx) {
   const auto ground = filter_ground(cloud.positions, {}, ctx);
   std::vector<RockTarget> targets;
-  for (const auto& candidate : find_candidates(cloud.positions, ground, {})) {
+  for (const auto& candidate : find_rocks(cloud.positions, ground, PlanIndex(cloud.positions), {})) {
     RockTarget target;
     target.id = survey::TargetId(static_cast<std::int64_t>(targets.size()) + 1);
     target.object_class = "rock";
     target.centre = candidate.centre;
     target.radius = candidate.radius;
+    target.low = candidate.ground_up, target.high = candidate.ground_up + candidate.height;
     targets.push_back(target);
   }
   return targets;

@@ -22,7 +22,7 @@ using cairn::ground::OccupancyGrid;
 void draw_discs(OccupancyGrid& grid) {
   cairn::base::Random random(1, "bench", 0);
   const auto n = static_cast<std::int64_t>(grid.geometry.columns);
-  for (std::int64_t disc = 0; disc < n / 2; ++disc) {
+  for (std::int64_t disc = 0; disc < n * n / 20000; ++disc) {
     const auto radius = 5 + static_cast<std::int64_t>(random.below(56));
     const auto x = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(n)));
     const auto y = static_cast<std::int64_t>(random.below(static_cast<std::uint64_t>(n)));

@@ -20,6 +20,7 @@
 #include "base/digest.hpp"
 #include "camera/projection.hpp"
 #include "io/csv.hpp"
+#include "io/json.hpp"
 #include "io/raster.hpp"
 #include "io/survey_folder.hpp"
 #include "io/targets_json.hpp"
@@ -170,6 +171,34 @@ TEST_F(BrightonBeach, ObjectsAreLocatedWithinTheLimits) {
       << "95 %, m";
 }
 
+// The audit by itself: a nadir flight at 40 m shows lawns and tops, and no wall.
+TEST_F(BrightonBeach, TheAuditPassesLawnsAndFailsWalls) {
+  const TempFolder elsewhere;
+  const fs::path to = elsewhere / "audit";
+  const auto run = cairn({"run", (source_dir() / "pipelines/coverage_audit.json").string(), survey().string(), "-o",
+                          to.string(), "--threads", "2"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  for (const char* name : {"audit.html", "coverage.gpkg", "coverage.glb", "coverage.ply", "facets.csv", "views.tif"})
+    EXPECT_TRUE(fs::exists(to / name)) << name;
+  const auto json = cairn::io::read_json(to / "coverage.json");
+  EXPECT_GE(json.at("completeness").as_real(), 0.95);
+  EXPECT_GE(json.at("completeness_interval_95").as_array()[0].as_real(), 0.9);
+  EXPECT_LT(json.at("sides").at("completeness").as_real(), 0.9);
+  std::map<std::int64_t, std::string> classes;
+  for (const auto& target : cairn::io::read_targets(to / "targets.json").targets)
+    classes[target.id.value] = target.object_class;
+  cairn::io::CsvReader csv(to / "targets_coverage.csv");
+  std::size_t boulders = 0;
+  while (csv.next()) {
+    EXPECT_EQ(csv.text(csv.column("passed")), "false");
+    EXPECT_EQ(csv.real(csv.column("basal_seen_share")), 0.0);
+    if (classes.at(csv.integer(csv.column("target_id"))) != "boulder") continue;
+    ++boulders;
+    EXPECT_LT(csv.real(csv.column("wall_completeness")), 0.2);
+  }
+  EXPECT_GE(boulders, 10U);
+}
+
 TEST_F(BrightonBeach, NoAngleIsPrintedForARockThatCannotBeMeasured) {
   const auto rocks = cairn::io::read_json(out() / "rocks.json").at("rocks");
   ASSERT_GT(rocks.size(), 0U);
@@ -281,6 +310,21 @@ TEST_F(BrightonBeach, ResumingAfterAKillGivesTheSameBytes) {
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_THAT(resumed.out, ContainsRegex("locate +kept"));
   EXPECT_THAT(differing(contents(to), reference), IsEmpty());
+}
+
+// Flown from above, the walls of the boulders' cylinders fail; the planned re-flight brings them above 95 %.
+TEST_F(BrightonBeach, TheReFlightSeesTheWallsOfTheBoulders) {
+  const TempFolder folder;
+  const auto plan = cairn({"plan", "gaps", out().string(), "--survey", survey().string(), "--classes", "boulder",
+                           "--max-candidates", "15000", "-o", (folder / "plan").string(), "--json"});
+  ASSERT_TRUE(plan.exit_code == 0 || plan.exit_code == 3) << plan.err;
+  const auto summary = cairn::io::parse_json(plan.out, "stdout");
+  EXPECT_GE(summary.at("targets").as_integer(), 30);
+  EXPECT_LT(summary.at("walls_before").as_real(), 0.05);
+  EXPECT_GE(summary.at("walls_after").as_real(), 0.95);
+  EXPECT_LE(summary.at("peak_speed_m_s").as_real(), 1.0);
+  EXPECT_LE(summary.at("peak_acceleration_m_s2").as_real(), 1.0);
+  EXPECT_GE(summary.at("least_clearance_m").as_real(), 2.9);
 }
 
 }  // namespace

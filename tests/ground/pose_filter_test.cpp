@@ -151,9 +151,9 @@ TEST(RobustFilter, ALatePacketCountsAtItsCapture) {
 }
 
 TEST(RobustFilter, TheOrderOfArrivalDoesNotMatter) {
-  testing::DriveOptions options;
+  cairn::testing::DriveOptions options;
   options.duration_s = 60.0;
-  const auto drive = testing::make_drive(options, 4);
+  const auto drive = cairn::testing::make_drive(options, 4);
   const auto run = [&](bool turned) {
     PoseFilterOptions o;
     o.buffer_s = 100.0;

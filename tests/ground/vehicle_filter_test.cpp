@@ -132,6 +132,7 @@ TEST(VehicleFilter, OnARealPath) {
   o.sample_interval_s = ground::median_interval_s(log.samples);
   const auto result = ground::run_pose_filter(drive.log, drive.packets, o, 25.0, base::RunContext());
   const auto errors = ground::track_errors(result.filtered, drive.truth);
+  RecordProperty("rms_m", std::to_string(errors.rms_m));
   EXPECT_LE(errors.rms_m, kRms_m);
   EXPECT_EQ(false_taken(drive, result), 0U);
 }

@@ -103,6 +103,10 @@ TEST_F(VehicleLogFile, NamesUnitsAndSeparators) {
   EXPECT_EQ(b.samples[0].time_ns, 1'000'000'000);
   EXPECT_NEAR(b.samples[0].yaw, 0.0, kAngle);
   EXPECT_NEAR(b.samples[0].velocity.x(), 0.5, kMetre);
+  const auto d = read("%time,field.pose.pose.position.x,field.pose.pose.position.y\n1500000000,1,2\n");
+  EXPECT_EQ(d.samples[0].time_ns, 1'500'000'000);
+  const auto e = read("Time [s],X [m],Y [m],Vx (m/s),Vy (m/s)\n1,1,2,0.25,0\n");
+  EXPECT_NEAR(e.samples[0].velocity.x(), 0.25, kMetre);
   const auto c = read("# a comment\ntime,x,y\n1700000000.123456789,1,2\n");
   EXPECT_EQ(c.samples[0].time_ns, 1'700'000'000'123'456'789LL);
 }

@@ -259,6 +259,31 @@ TEST_F(CoverageStage, AnswersWhoSawAPointAndWhatIsSeenFromOne) {
   }
 }
 
+TEST_F(CoverageStage, HeightsOfAnotherDatumAreRefused) {
+  const geodesy::LocalFrame frame(testing::kSmallSurveyOrigin);
+  const auto with = [&](const std::string& description, float height) {
+    const Grid<float> heights({0.0, 20.0, 0.5, 40, 40}, height);
+    io::write_cog(folder_ / "named.tif", {{"surface", "m", description, heights, std::nullopt}},
+                  frame.raster_crs_wkt());
+    in_.surface = folder_ / "named.tif";
+  };
+  with("highest points of each cell, ellipsoidal height", 159.0F);
+  EXPECT_GT(run().summary.at("completeness").as_real(), 0.0);
+  with("highest points of each cell, orthometric (egm96) height", 159.0F);
+  try {
+    (void)run();
+    FAIL() << "another datum was taken";
+  } catch (const base::Error& e) {
+    EXPECT_EQ(e.code(), base::ErrorCode::crs_mismatch);
+  }
+  // Where nobody says it, cameras below the surface are told.
+  with("heights", 250.0F);
+  const Outcome outcome = run();
+  EXPECT_GE(outcome.summary.at("frames_below_surface").as_integer(), 3);  // two stand over its border
+  EXPECT_EQ(outcome.summary.at("completeness").as_real(), 0.0);
+  EXPECT_NE(ctx_.warnings().back().find("below the surface"), std::string::npos);
+}
+
 TEST_F(CoverageStage, ZeroFramesCoverNothing) {
   testing::write_small_survey(folder_ / "none", 0);
   in_.views = folder_ / "none";

@@ -85,7 +85,7 @@ inline Drive record_drive(std::vector<survey::VehicleState> truth, const DriveOp
     survey::Packet packet;
     packet.sequence = sequence;
     packet.capture_time_ns = time_ns;
-    const geometry::Vec2 truth = drive.true_position(time_ns);
+    const geometry::Vec2 there = drive.true_position(time_ns);
     const bool wrong = random.uniform() < options.false_share, beside = random.uniform() < 0.5;
     const auto see = [&](const geometry::Vec2& p) {
       packet.vehicles.push_back(
@@ -93,11 +93,11 @@ inline Drive record_drive(std::vector<survey::VehicleState> truth, const DriveOp
     };
     if (wrong) {
       const double angle = random.uniform(0, 2.0 * std::numbers::pi), far_m = random.uniform(3.0, 10.0);
-      see(truth + far_m * geometry::Vec2(std::cos(angle), std::sin(angle)));
+      see(there + far_m * geometry::Vec2(std::cos(angle), std::sin(angle)));
     }
     if (!wrong || beside) {
       const double east = options.projector_sigma_m * random.normal();
-      see(truth + geometry::Vec2(east, options.projector_sigma_m * random.normal()));
+      see(there + geometry::Vec2(east, options.projector_sigma_m * random.normal()));
     }
     made_false.push_back(wrong);
     made_true.push_back(!wrong || beside);

@@ -91,6 +91,13 @@ inline report::LayerRecords example_records() {
   obstacle.height_m = 1.3;
   obstacle.score = 0.9;
   obstacle.observations = 3;
+  obstacle.misses = 1;
+  obstacle.first_seen_ns = 1'466'699'519'000'000'000;
+  obstacle.last_seen_ns = 1'466'699'531'000'000'000;
+  obstacle.sigma_width_m = 0.05;
+  obstacle.sigma_height_m = 0.1;
+  obstacle.velocity = geometry::Vec2(0.4, -0.1);
+  obstacle.velocity_covariance << 0.01, 0, 0, 0.02;
   records.obstacles = {obstacle};
 
   survey::CoverageGap gap;

@@ -71,6 +71,67 @@ TEST_F(CostmapCommand, SameBytesForAnyThreadCount) {
   EXPECT_EQ(cairn::base::read_file(fs::path(out_) / "costmap.tif"), one);
 }
 
+// The command as the manual writes it: prior map, layer of obstacles, scans along a log.
+TEST_F(CostmapCommand, TakesPriorMapLayerScansAndLog) {
+  cairn::io::RosMap prior;
+  prior.occupancy = cairn::geometry::Grid<std::uint8_t>({0.0, 8.0, 0.05, 200, 160}, 0);
+  const cairn::geodesy::LocalFrame frame(cairn::testing::kSmallGroundOrigin);
+  cairn::io::write_ros_map(
+      folder_.path(), "prior", prior,
+      cairn::io::MapGeoreference{cairn::testing::kSmallGroundOrigin, cairn::survey::HeightType::ellipsoidal, "",
+                                 frame.raster_crs_wkt()});
+  cairn::base::write_file(
+      folder_ / "layer.geojson",
+      "{\"type\":\"FeatureCollection\",\"features\":[{\"type\":\"Feature\",\"properties\":"
+      "{\"width_m\":1.0},\"geometry\":{\"type\":\"Point\",\"coordinates\":[-91.9939344,46.842636]}}]}");
+  cairn::base::write_file(
+      folder_ / "lidar.csv",
+      "time_ns,time_increment_ns,angle_min_deg,angle_increment_deg,range_min_m,range_max_m,ranges_m\n"
+      "1000,0,0,90,0.1,30,2 inf -inf nan\n");
+  cairn::base::write_file(folder_ / "vehicle.csv",
+                          "time_ns,x_m,y_m,vx_m_s,vy_m_s,roll_deg,pitch_deg,heading_deg,var_xx_m2,var_xy_m2,var_yy_m2\n"
+                          "0,7.02,2.02,0,0,0,0,90,,,\n2000,7.02,2.02,0,0,0,0,90,,,\n");
+  const auto path = [&](const char* name) { return (folder_ / name).string(); };
+  std::vector<std::string> arguments{"costmap",
+                                     "--prior",
+                                     path("prior.yaml"),
+                                     "--obstacles",
+                                     path("layer.geojson"),
+                                     "--scans",
+                                     path("lidar.csv"),
+                                     "--vehicle",
+                                     path("vehicle.csv"),
+                                     "--radius",
+                                     "0.4",
+                                     "--resolution",
+                                     "0.05",
+                                     "-o",
+                                     out_,
+                                     "--json"};
+  const auto result = cairn(arguments);
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = cairn::io::parse_json(result.out, "stdout");
+  EXPECT_EQ(summary.at("radius_m").as_real(), 0.4);
+  EXPECT_EQ(summary.at("obstacles_outside").as_integer(), 0);
+  EXPECT_EQ(summary.at("scans").at("rays_marked").as_integer(), 1);
+  EXPECT_EQ(summary.at("scans").at("rays_too_near").as_integer(), 1);
+  const auto raster = cairn::io::read_raster(fs::path(out_) / "costmap.tif");
+  const auto& cost = std::get<cairn::geometry::Grid<std::uint8_t>>(raster.bands.at(0).values);
+  const auto value = [&](double e, double n) {
+    const auto cell = cost.geometry.cell_at({e, n});
+    return cost.at(cell->first, cell->second);
+  };
+  EXPECT_EQ(value(9.02, 2.02), cairn::ground::kLethal) << "heading east, 2 m ahead";
+  EXPECT_EQ(value(9.35, 2.02), cairn::ground::kInscribed);
+  EXPECT_EQ(value(5.0, 4.0), cairn::ground::kLethal) << "the obstacle of the layer";
+  arguments.back() = "--dry-run";
+  arguments[14] = (folder_ / "dry").string();
+  EXPECT_EQ(cairn(arguments).exit_code, 0);
+  arguments.back() = "--json";
+  arguments[10] = "wide";
+  EXPECT_EQ(cairn(arguments).exit_code, 2);
+}
+
 TEST_F(CostmapCommand, BadInputLeavesNothing) {
   cairn::base::write_file(obstacles_, "{\"obstacles\": [");
   const auto result = run();

@@ -7,6 +7,7 @@
 #include "io/json.hpp"
 #include "io/ply.hpp"
 #include "io/raster.hpp"
+#include "io/targets_json.hpp"
 #include "support/brute_force_caster.hpp"
 #include "support/data.hpp"
 #include "support/meshes.hpp"
@@ -35,6 +36,17 @@ class CoverageCommand : public ::testing::Test {
     cairn::base::write_file(views_,
                             "7 10 20  1 0 0  0 -1 0  0 0 -1  500 500 400 400 800 800\n"
                             "13 10 20  1 0 0  0 -1 0  0 0 -1  500 500 400 400 800 800\n");
+  }
+  // One target of `height` [m] at (10, 10) in the frame of the small survey.
+  std::string targets_ = (folder_ / "targets.json").string();
+  void write_targets(double height) const {
+    cairn::survey::Target target;
+    target.id = cairn::survey::TargetId(7);
+    target.object_class = "boulder";
+    target.state = cairn::survey::TargetState::converged;
+    target.centre = Vec3(10, 10, 1);
+    target.bcylinder = cairn::geometry::VerticalCylinder{{10, 10}, 0.0, height, 0.5};
+    cairn::io::write_targets(targets_, {cairn::testing::small_survey(1).manifest.origin, {target}});
   }
   [[nodiscard]] ::cairn::testing::ProgramResult run(std::vector<std::string> more = {}) const {
     std::vector<std::string> arguments{"coverage", "--surface", surface_, "--views", views_, "-o", out_};
@@ -82,6 +94,26 @@ TEST_F(CoverageCommand, GateDecidesTheExitCode) {
   EXPECT_EQ(run({"--gate", "beauty=0.5", "--overwrite"}).exit_code, 2);
 }
 
+TEST_F(CoverageCommand, TargetsAndQueriesAreAnswered) {
+  write_targets(1.5);
+  const auto result = run({"--targets", targets_, "--point", "10,10", "--json"});
+  ASSERT_EQ(result.exit_code, 0) << result.err;
+  const auto summary = cairn::io::parse_json(result.out, "stdout");
+  EXPECT_EQ(summary.at("targets").at("audited").as_integer(), 1);
+  EXPECT_EQ(summary.at("targets").at("passed").as_integer(), 0);
+  EXPECT_NEAR(summary.at("points").as_array()[0].at("up_m").as_real(), 2.5, 1e-4);  // the top of the box
+  EXPECT_EQ(summary.at("points").as_array()[0].at("seen_by").as_integer(), 2);
+  EXPECT_THAT(run({"--targets", targets_, "--overwrite"}).out, HasSubstr("0 of 1 targets pass"));
+  // A cylinder of zero height is said, not judged.
+  write_targets(0.0);
+  ASSERT_EQ(run({"--targets", targets_, "--overwrite"}).exit_code, 0);
+  EXPECT_THAT(cairn::base::read_file(fs::path(out_) / "run.json"), HasSubstr("cylinder_without_height"));
+  EXPECT_EQ(run({"--point", "somewhere", "--overwrite"}).exit_code, 2);
+  EXPECT_EQ(run({"--point", "500,500", "--overwrite"}).exit_code, 4);
+  EXPECT_EQ(run({"--contacts", targets_, "--overwrite"}).exit_code, 2);
+  EXPECT_EQ(run({"--targets", (folder_ / "none.json").string(), "--overwrite"}).exit_code, 4);
+}
+
 TEST_F(CoverageCommand, RefusesAnExistingOutput) {
   ASSERT_EQ(run().exit_code, 0);
   EXPECT_EQ(run().exit_code, 7);
@@ -100,11 +132,21 @@ TEST_F(CoverageCommand, SameBytesForAnyThreadCount) {
   views_ = (folder_ / "survey").string();
   cairn::io::write_cog(surface_, {{"surface", "m", "", heights, std::nullopt}}, frame.raster_crs_wkt());
   cairn::testing::write_small_survey(views_, 5);
-  ASSERT_EQ(run({"--threads", "1"}).exit_code, 0);
+  ASSERT_EQ(run(with({"--threads", "1"})).exit_code, 0);
   std::vector<std::string> one;
-  const std::vector<std::string> products = {"coverage.json", "facets.csv", "gaps.json", "views.tif"};
+  write_targets(1.0);
+  const std::vector<std::string> products = {"coverage.json", "facets.csv",           "gaps.json",
+                                             "views.tif",     "audit.html",           "coverage.gpkg",
+                                             "coverage.ply",  "coverage.glb",         "points.json",
+                                             "viewshed.csv",  "targets_coverage.csv", "targets_coverage.json",
+                                             "viewshed.tif",  "frames_coverage.csv"};
+  const std::vector<std::string> queries = {"--targets", targets_, "--point", "10,10", "--viewshed", "3,4"};
+  const auto with = [&queries](std::vector<std::string> more) {
+    more.insert(more.end(), queries.begin(), queries.end());
+    return more;
+  };
   for (const auto& name : products) one.push_back(cairn::base::read_file(fs::path(out_) / name));
-  ASSERT_EQ(run({"--threads", "4", "--overwrite"}).exit_code, 0);
+  ASSERT_EQ(run(with({"--threads", "4", "--overwrite"})).exit_code, 0);
   for (std::size_t i = 0; i < products.size(); ++i)
     EXPECT_EQ(cairn::base::read_file(fs::path(out_) / products[i]), one[i]) << products[i];
 }

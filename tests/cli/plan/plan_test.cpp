@@ -140,7 +140,8 @@ TEST_F(PlanCommand, LawnmowerAsInTheManual) {
   EXPECT_GE(s.at("overlap").at("first_percentile_views").as_integer(), s.at("wanted_views").as_integer());
   EXPECT_EQ(s.at("wanted_views").as_integer(), 15);
   EXPECT_NEAR(s.at("height_m").as_real(), 36.85, 1e-9);
-  EXPECT_NEAR(s.at("least_clearance_m").as_real(), 34.85, 0.2);
+  EXPECT_GE(s.at("least_clearance_m").as_real(), 34.6);
+  EXPECT_LE(s.at("least_clearance_m").as_real(), 36.9);
   expect_sound_mission(path("plan"));
   // The same bytes on any number of threads.
   ASSERT_EQ(plan({"lawnmower", "--area", area(), "--gsd", "0.01", "--overlap", "0.8,0.7", "--terrain", path("dsm.tif"),
@@ -212,12 +213,12 @@ TEST_F(PlanCommand, ReFlightClosesTheWallsOfABoulder) {
   expect_sound_mission(path("plan"));
   EXPECT_TRUE(fs::exists(fs::path(path("plan")) / "coverage.json"));
 
-  // The planned mission as views of its own.
-  const auto alone = cairn({"coverage", "--surface", path("dsm.tif"), "--views", path("plan"), "--targets", list, "-o",
-                            path("alone"), "--json"});
+  // The planned mission as views of its own: the recorded ones were the third views, none of them steep enough.
+  const auto alone = cairn({"coverage", "--surface", path("dsm.tif"), "--views", path("plan"), "--targets", list,
+                            "--min-views", "2", "-o", path("alone"), "--json"});
   ASSERT_EQ(alone.exit_code, 0) << alone.err;
   const auto rows = cairn::io::read_json(fs::path(path("alone")) / "targets_coverage.json");
-  EXPECT_GT(rows.at("targets").as_array().at(0).at("wall").at("completeness").as_real(), 0.8);
+  EXPECT_GT(rows.at("targets").as_array().at(0).at("wall").at("completeness").as_real(), 0.9);
 
   // A budget for a few views only: as many as fit, and it says so.
   const auto brief = plan({"gaps", path("coverage"), "--budget", "30s", "-o", path("brief"), "--json"});

@@ -82,7 +82,7 @@ TEST_F(VehicleCommand, PaperModeAndReplay) {
   EXPECT_EQ(summary.at("mode").as_string(), "paper");
   const auto& replay = summary.at("packets").at("replay");
   EXPECT_EQ(replay.at("sent").as_integer(), static_cast<std::int64_t>(drive_.packets.size()));
-  EXPECT_EQ(io::read_packets(out_ / "packets.bin").size(),
+  EXPECT_EQ(io::read_packets(out_ / "packets_replayed.bin").size(),
             static_cast<std::size_t>(replay.at("delivered").as_integer()));
 }
 
