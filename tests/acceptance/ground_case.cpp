@@ -20,6 +20,12 @@ std::string text(const Json& line, const char* name) {
   return line.at(name).as_string();
 }
 
+// By the vehicle's own reckoning and in truth.
+bool arrived(const Json& line) {
+  constexpr double kAtGoal_m = 2.0;
+  return line.at("arrived").as_bool() && line.at("goal_error_m").as_real() < kAtGoal_m;
+}
+
 double mean_of(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double v : values) sum += v;
@@ -52,7 +58,7 @@ double most(const std::vector<double>& values) {
 std::vector<double> shortenings(const std::vector<Json>& lines, const std::string& scene, const std::string& variant) {
   std::map<std::int64_t, double> ways, without;
   for (const Json& line : lines)
-    if (text(line, "scene") == scene && line.at("arrived").as_bool()) {
+    if (text(line, "scene") == scene && arrived(line)) {
       if (text(line, "variant") == variant) ways[line.at("seed").as_integer()] = line.at("path_m").as_real();
       if (text(line, "variant") == "no_map") without[line.at("seed").as_integer()] = line.at("path_m").as_real();
     }
@@ -63,7 +69,7 @@ std::vector<double> shortenings(const std::vector<Json>& lines, const std::strin
 }
 
 std::string row(const std::vector<Json>& lines, const std::string& scene, const std::string& variant) {
-  std::size_t runs = 0, arrived = 0, clean = 0;
+  std::size_t runs = 0, there = 0, clean = 0;
   std::vector<double> ways, times, clearances, rms, worst, periods, longest;
   for (const Json& line : lines) {
     if (text(line, "scene") != scene || text(line, "variant") != variant) continue;
@@ -74,14 +80,14 @@ std::string row(const std::vector<Json>& lines, const std::string& scene, const 
     worst.push_back(line.at("pose_max_m").as_real());
     periods.push_back(line.at("update_period_mean_s").as_real());
     longest.push_back(line.at("update_period_max_s").as_real());
-    if (!line.at("arrived").as_bool()) continue;
-    ++arrived;
+    if (!arrived(line)) continue;
+    ++there;
     ways.push_back(line.at("path_m").as_real());
     times.push_back(line.at("drive_s").as_real());
   }
   if (runs == 0) return "";
   const auto shorter = shortenings(lines, scene, variant);
-  return "| " + scene + " | " + variant + " | " + share(arrived, runs) + " | " + share(clean, runs) + " | " +
+  return "| " + scene + " | " + variant + " | " + share(there, runs) + " | " + share(clean, runs) + " | " +
          with_interval(ways, 1.0, 1) + " | " + to_fixed(mean_of(times), 1) + " | " +
          (variant == "no_map" ? "-" : with_interval(shorter, 100.0, 1)) + " | " + to_fixed(-most(clearances), 2) +
          " | " + to_fixed(mean_of(rms), 2) + " | " + to_fixed(most(worst), 2) + " | " + to_fixed(mean_of(periods), 2) +

@@ -9,30 +9,20 @@
 #include "base/atomic_file.hpp"
 #include "base/error.hpp"
 #include "camera/projection.hpp"
+#include "geodesy/local_frame.hpp"
 #include "io/image.hpp"
 #include "io/raster.hpp"
 #include "io/survey_folder.hpp"
+#include "pipeline/terrain_height.hpp"
 
 namespace cairn::acceptance {
 namespace {
 
-using geometry::Grid;
 using geometry::Vec2;
 using geometry::Vec3;
 
-Grid<float> heights_of(const std::filesystem::path& path) {
-  for (const auto& band : io::read_raster(path).bands)
-    if (const auto* values = std::get_if<Grid<float>>(&band.values)) return *values;
-  throw base::Error(base::ErrorCode::invalid_input, "no band of heights").file(path.string());
-}
-
-double median_of(const Grid<float>& heights) {
-  std::vector<float> known;
-  for (const float h : heights.values)
-    if (std::isfinite(h)) known.push_back(h);
-  if (known.empty()) return 0.0;
-  std::nth_element(known.begin(), known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2), known.end());
-  return static_cast<double>(known[known.size() / 2]);
+geometry::GridGeometry extent_of(const std::filesystem::path& path) {
+  return io::read_raster(path).bands.at(0).geometry();
 }
 
 }  // namespace
@@ -40,20 +30,20 @@ double median_of(const Grid<float>& heights) {
 PlanPicture plan_picture(const std::filesystem::path& survey_folder, const std::filesystem::path& surface,
                          double cell_m) {
   const auto survey = io::read_survey(survey_folder);
-  const auto heights = heights_of(surface);
-  const double median = median_of(heights);
-  const auto& g = heights.geometry;
+  const pipeline::TerrainHeight terrain(surface, geodesy::LocalFrame(survey.manifest.origin.position));
+  const auto g = extent_of(surface);
   PlanPicture picture;
   picture.geometry = geometry::covering_grid({g.west, g.south()}, {g.east(), g.north}, cell_m);
   const auto& p = picture.geometry;
   std::vector<std::uint8_t> rgb(3 * p.cells(), 255);
   // The frame of each cell first, so that one photograph is in memory at a time.
   std::map<std::size_t, std::vector<std::pair<std::size_t, Vec2>>> wanted;
+  double last_up = 0.0;
   for (std::size_t i = 0; i < p.cells(); ++i) {
     const Vec2 place = p.centre(i / p.columns, i % p.columns);
-    const auto cell = g.cell_at(place);
-    const float height = cell ? heights.at(cell->first, cell->second) : std::numeric_limits<float>::quiet_NaN();
-    const Vec3 point(place.x(), place.y(), std::isfinite(height) ? static_cast<double>(height) : median);
+    const auto up = terrain.up(place.x(), place.y());
+    if (up) last_up = *up;
+    const Vec3 point(place.x(), place.y(), last_up);
     double nearest = std::numeric_limits<double>::infinity();
     std::size_t chosen = survey.frames.size();
     Vec2 pixel = Vec2::Zero();

@@ -14,7 +14,7 @@ struct PlanPicture {
 };
 
 // Each cell takes the colour of the photograph whose camera stands nearest above it, by the height of `surface`
-// (a raster in the survey's local frame; where it knows none, its median).
+// (a raster in the survey's local frame; where it knows none, that of the last cell before it).
 [[nodiscard]] PlanPicture plan_picture(const std::filesystem::path& survey_folder, const std::filesystem::path& surface,
                                        double cell_m);
 
