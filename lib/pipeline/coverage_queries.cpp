@@ -1,6 +1,7 @@
 #include "pipeline/coverage_queries.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -54,8 +55,15 @@ std::vector<Vec3> parse_points(const std::vector<std::string>& texts, const Audi
     }
     const geometry::Box3 box = surface.mesh.bounds();
     const double sky = box.empty() ? 0.0 : box.max.z() + 1.0;
-    const geometry::Ray down{Vec3(n[0], n[1], sky), -Vec3::UnitZ()};
-    const auto hit = scene.cast({&down, 1}).front();
+    // A ray straight down an edge may slip between its two facets: then a millimetre beside it.
+    constexpr double kBeside = 1e-3;  // m
+    const std::array<geometry::Ray, 3> down = {
+        geometry::Ray{Vec3(n[0], n[1], sky), -Vec3::UnitZ()},
+        geometry::Ray{Vec3(n[0] + kBeside, n[1] + 0.3 * kBeside, sky), -Vec3::UnitZ()},
+        geometry::Ray{Vec3(n[0] - 0.6 * kBeside, n[1] - kBeside, sky), -Vec3::UnitZ()}};
+    const auto hits = scene.cast(down);
+    const auto found = std::find_if(hits.begin(), hits.end(), [](const visibility::Hit& h) { return h.hit(); });
+    const visibility::Hit hit = found == hits.end() ? visibility::Hit{} : *found;
     if (!hit.hit())
       throw base::Error(base::ErrorCode::invalid_input, "there is no surface at a point")
           .found(text)
