@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "geodesy/crs.hpp"
 #include "io/raster.hpp"
 
 namespace cairn::pipeline {
@@ -14,7 +15,8 @@ using geometry::Grid;
 using geometry::Vec2;
 using geometry::Vec3;
 
-constexpr double kReach = 2.0;  // m; how far an empty cell may borrow a height
+constexpr double kMostGrowth = 3.0;  // cells of the resampled raster over those of the file
+constexpr double kReach = 2.0;       // m; how far an empty cell may borrow a height
 
 const Grid<float>& ground_band(const io::Raster& raster, const std::filesystem::path& path) {
   const Grid<float>* only = nullptr;
@@ -29,28 +31,110 @@ const Grid<float>& ground_band(const io::Raster& raster, const std::filesystem::
   return *only;
 }
 
+// A transverse Mercator about the survey's origin, as `cairn run` writes it: its coordinates are the local ones.
+bool is_local(const std::string& crs) {
+  return crs.find("Transverse Mercator") != std::string::npos && crs.find("UTM") == std::string::npos;
+}
+
+Grid<float> to_up(Grid<float> heights, const geodesy::LocalFrame& frame) {
+  const auto& g = heights.geometry;
+  for (std::size_t r = 0; r < g.rows; ++r)
+    for (std::size_t c = 0; c < g.columns; ++c) {
+      float& value = heights.at(r, c);
+      if (!std::isfinite(value)) continue;
+      const Vec2 at = g.centre(r, c);
+      value = static_cast<float>(static_cast<double>(value) - frame.to_geodetic(Vec3(at.x(), at.y(), 0.0)).height_m);
+    }
+  return heights;
+}
+
+// Bilinear between cell centres; the nearest of the four where one is not known. NaN outside.
+float sample(const Grid<float>& grid, const Vec2& p) {
+  const auto& g = grid.geometry;
+  const double x = (p.x() - g.west) / g.cell - 0.5, y = (g.north - p.y()) / g.cell - 0.5;
+  if (!(x >= -0.5 && y >= -0.5 && x <= static_cast<double>(g.columns) - 0.5 && y <= static_cast<double>(g.rows) - 0.5))
+    return std::numeric_limits<float>::quiet_NaN();
+  const auto low = [](double at, std::size_t count) {
+    return static_cast<std::size_t>(std::clamp(std::floor(at), 0.0, static_cast<double>(count - 1)));
+  };
+  const std::size_t c0 = low(x, g.columns), r0 = low(y, g.rows);
+  const std::size_t c1 = std::min(c0 + 1, g.columns - 1), r1 = std::min(r0 + 1, g.rows - 1);
+  const double u = std::clamp(x - static_cast<double>(c0), 0.0, 1.0),
+               v = std::clamp(y - static_cast<double>(r0), 0.0, 1.0);
+  const double value =
+      (1.0 - v) * ((1.0 - u) * static_cast<double>(grid.at(r0, c0)) + u * static_cast<double>(grid.at(r0, c1))) +
+      v * ((1.0 - u) * static_cast<double>(grid.at(r1, c0)) + u * static_cast<double>(grid.at(r1, c1)));
+  if (std::isfinite(value)) return static_cast<float>(value);
+  return grid.at(v < 0.5 ? r0 : r1, u < 0.5 ? c0 : c1);
+}
+
+// A raster of any other CRS: ups at its own cells, then resampled into cells of about the same size.
+Grid<float> from_crs(Grid<float> heights, const std::string& crs, const geodesy::LocalFrame& frame) {
+  const geodesy::CrsConverter converter(crs, frame);
+  const geometry::GridGeometry g = heights.geometry;
+  Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  std::vector<Vec3> row(g.columns);
+  for (std::size_t r = 0; r < g.rows; ++r) {
+    for (std::size_t c = 0; c < g.columns; ++c) {
+      const Vec2 at = g.centre(r, c);
+      const float value = heights.at(r, c);
+      row[c] = Vec3(at.x(), at.y(), std::isfinite(value) ? static_cast<double>(value) : 0.0);
+    }
+    converter.to_local(row);
+    for (std::size_t c = 0; c < g.columns; ++c) {
+      low = low.cwiseMin(row[c].head<2>()), high = high.cwiseMax(row[c].head<2>());
+      if (std::isfinite(heights.at(r, c))) heights.at(r, c) = static_cast<float>(row[c].z());
+    }
+  }
+  const Vec2 middle = g.centre(g.rows / 2, g.columns / 2);
+  const double cell = 0.5 * ((converter.to_local(Vec3(middle.x() + g.cell, middle.y(), 0.0)) -
+                              converter.to_local(Vec3(middle.x(), middle.y(), 0.0)))
+                                 .head<2>()
+                                 .norm() +
+                             (converter.to_local(Vec3(middle.x(), middle.y() + g.cell, 0.0)) -
+                              converter.to_local(Vec3(middle.x(), middle.y(), 0.0)))
+                                 .head<2>()
+                                 .norm());
+  const geometry::GridGeometry made = geometry::covering_grid(low, high, cell);
+  if (!(static_cast<double>(made.cells()) <= kMostGrowth * static_cast<double>(g.cells()) + 1e4))
+    throw base::Error(base::ErrorCode::crs_mismatch, "the terrain's cells are far from square on the ground")
+        .found(crs)
+        .hint("Warp the raster to a projected CRS, such as the UTM zone of the place");
+  Grid<float> up(made, std::numeric_limits<float>::quiet_NaN());
+  std::vector<Vec3> line(made.columns);
+  for (std::size_t r = 0; r < made.rows; ++r) {
+    for (std::size_t c = 0; c < made.columns; ++c) {
+      const Vec2 at = made.centre(r, c);
+      line[c] = Vec3(at.x(), at.y(), 0.0);
+    }
+    converter.from_local(line);
+    for (std::size_t c = 0; c < made.columns; ++c) up.at(r, c) = sample(heights, line[c].head<2>());
+  }
+  return up;
+}
+
 }  // namespace
 
 TerrainHeight::TerrainHeight(const std::filesystem::path& path, const geodesy::LocalFrame& frame) {
   const io::Raster raster = io::read_raster(path);
-  // A transverse Mercator about the survey's origin: anything else is another place or another unit.
-  if (raster.crs.find("Transverse Mercator") == std::string::npos || raster.crs.find("UTM") != std::string::npos)
-    throw base::Error(base::ErrorCode::crs_mismatch, "the terrain is not in the survey's local frame")
+  if (raster.crs.empty())
+    throw base::Error(base::ErrorCode::crs_mismatch, "the terrain declares no coordinate reference system")
         .file(path.string())
-        .hint("Use the surface.tif that 'cairn run' wrote for this survey");
-  up_ = ground_band(raster, path);
+        .hint("Write it into the file, for example with gdal_edit.py -a_srs");
+  try {
+    up_ = is_local(raster.crs) ? to_up(ground_band(raster, path), frame)
+                               : from_crs(ground_band(raster, path), raster.crs, frame);
+  } catch (base::Error& error) {
+    error.default_file(path.string());
+    throw;
+  }
   lowest_ = std::numeric_limits<double>::infinity();
   highest_ = -lowest_;
-  for (std::size_t r = 0; r < up_.geometry.rows; ++r)
-    for (std::size_t c = 0; c < up_.geometry.columns; ++c) {
-      float& value = up_.at(r, c);
-      if (!std::isfinite(value)) continue;
-      const Vec2 at = up_.geometry.centre(r, c);
-      const double level = frame.to_geodetic(Vec3(at.x(), at.y(), 0.0)).height_m;
-      value = static_cast<float>(static_cast<double>(value) - level);
-      lowest_ = std::min(lowest_, static_cast<double>(value));
-      highest_ = std::max(highest_, static_cast<double>(value));
-    }
+  for (const float value : up_.values) {
+    if (!std::isfinite(value)) continue;
+    lowest_ = std::min(lowest_, static_cast<double>(value));
+    highest_ = std::max(highest_, static_cast<double>(value));
+  }
 }
 
 std::optional<double> TerrainHeight::up(double east, double north) const {

@@ -10,12 +10,13 @@
 
 namespace cairn::pipeline {
 
-// Band `ground` of surface.tif (a raster with one float band is taken as it is), its datum heights turned back into
-// local up. Immutable; queries may run from several threads.
+// Band `ground` of surface.tif (of another raster its first float band), its datum heights turned back into local up. A
+// raster in another CRS than the frame's own is resampled, bilinear, into cells of the same size; its heights are taken
+// as above the ellipsoid unless its CRS names another datum. Immutable; queries may run from several threads.
 class TerrainHeight {
  public:
-  // Throws invalid_input where the raster has no band of heights, crs_mismatch where it is not in the
-  // frame's own raster CRS.
+  // Throws invalid_input where the raster has no band of heights, crs_mismatch where it declares no CRS or one that
+  // cannot be used at the frame's place.
   TerrainHeight(const std::filesystem::path& raster, const geodesy::LocalFrame& frame);
 
   // Up of the cell at (east, north), m; the nearest known cell within 2 m where that one is empty.
