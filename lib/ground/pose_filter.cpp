@@ -171,6 +171,9 @@ void PoseFilter::advance(std::size_t from_node) {
   }
 }
 
+// Gates that the vehicle has to move: a fixed place falls out of the gate about their mean after two.
+constexpr double kComeAlong = 2.5;
+
 void PoseFilter::take(PoseEstimate& e, const Measurement& m, const VehicleState& sample) {
   const std::span<PoseUpdate> candidates(updates_.data() + m.first_update, m.update_count);
   for (auto& c : candidates) {
@@ -202,10 +205,12 @@ void PoseFilter::take(PoseEstimate& e, const Measurement& m, const VehicleState&
   const Mat2& r = m.covariances[static_cast<std::size_t>(nearest)];
   const double agree = options_.gate_sigma * std::sqrt(std::max(r(0, 0), r(1, 1)));
   if (e.refused > 0 && (c.residual - e.refused_offset).norm() > agree) e.refused = 0;
-  if (e.refused == 0) e.refused_offset.setZero();
+  if (e.refused == 0) e.refused_offset.setZero(), e.refused_from = e.position();
   ++e.refused;
   e.refused_offset += (c.residual - e.refused_offset) / e.refused;
-  if (e.refused < options_.recovery_packets) return;
+  // From a standing vehicle a thing that stands looks the same: only what has come along for longer than that can be
+  // told apart is the vehicle.
+  if (e.refused < options_.recovery_packets || (e.position() - e.refused_from).norm() < kComeAlong * agree) return;
   e.mean.head<2>() += e.refused_offset;
   e.covariance.topRows<2>().setZero();
   e.covariance.leftCols<2>().setZero();

@@ -25,6 +25,7 @@ struct PoseEstimate {
   geometry::Vec2 accepted_position = geometry::Vec2::Zero();  // the estimate just behind it
   int refused = 0;                                            // packets in a row without a position that was taken
   geometry::Vec2 refused_offset = geometry::Vec2::Zero();     // mean of their positions minus the estimate
+  geometry::Vec2 refused_from = geometry::Vec2::Zero();       // the estimate at the first of them
 
   [[nodiscard]] geometry::Vec2 position() const { return mean.head<2>(); }
   [[nodiscard]] geometry::Mat2 position_covariance() const { return covariance.topLeftCorner<2, 2>(); }
