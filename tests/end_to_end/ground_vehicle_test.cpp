@@ -35,7 +35,7 @@ TEST(GroundVehicle, EveryCommandRunsOnARecordedDrive) {
   EXPECT_EQ(drive.at("contacts").as_integer(), 0);
 
   const auto seen =
-      summary({"obstacles", path("survey"), "--locate", "false", "--ground-up-m", "0", "-o", path("seen"), "--json"});
+      summary({"obstacles", path("survey"), "--no-locate", "--ground-up-m", "0", "-o", path("seen"), "--json"});
   EXPECT_GE(seen.at("obstacle").as_integer(), kBlockers);
 
   const auto track =
