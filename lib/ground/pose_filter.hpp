@@ -26,10 +26,11 @@ struct PoseFilterOptions {
   double min_projector_sigma_m = 0.1;  // robust: no projected position is better than this
 
   // False vehicles (B11).
-  double max_speed_m_s = 3.0;         // what the vehicle can do; the paper gives none
-  double jump_margin_m = 1.5;         // beyond the way at that speed: 3 sigma of the projector
-  double gate_sigma = 4.0;            // robust: Mahalanobis gate, 1 in 3000 true positions lies beyond
-  std::int64_t recovery_packets = 8;  // robust: so many refused positions in a row that come along move the estimate there
+  double max_speed_m_s = 3.0;  // what the vehicle can do; the paper gives none
+  double jump_margin_m = 1.5;  // beyond the way at that speed: 3 sigma of the projector
+  double gate_sigma = 4.0;     // robust: Mahalanobis gate, 1 in 3000 true positions lies beyond
+  std::int64_t recovery_packets =
+      8;  // robust: so many refused positions in a row that come along move the estimate there
 
   // Start: the log's first position.
   double initial_sigma_m = 1.5;  // 1 sigma per axis where the log gives no covariance: paper B's INS alone

@@ -39,7 +39,7 @@ struct ImageMetadata {
   std::optional<std::int64_t> civil_time_ns;
   int orientation = 1;  // EXIF tag; never applied to pixels here
   std::optional<double> focal_length_mm, focal_length_35mm_mm;
-  std::optional<double> exposure_s;  // ExposureTime
+  std::optional<double> exposure_s;                   // ExposureTime
   std::optional<double> latitude_deg, longitude_deg;  // WGS84, both or none
   std::optional<double> gps_altitude_m;               // negative below sea level; the datum is not known
   std::optional<int> gps_altitude_ref;

@@ -26,8 +26,8 @@ struct VehicleLog {
 [[nodiscard]] const std::vector<std::string>& vehicle_log_formats();
 
 // format: csv, tum, plaza, or auto = by content.
-// csv: a header row, separator comma, semicolon or tab; columns in any order and case, others ignored, units in brackets
-// taken as part of the name ("Time [s]" is time_s):
+// csv: a header row, separator comma, semicolon or tab; columns in any order and case, others ignored, units in
+// brackets taken as part of the name ("Time [s]" is time_s):
 //   time    time_ns, timestamp_ns, stamp_ns [ns]; time_us, timestamp_us [us]; time_ms [ms]; time_s, timestamp_s, time,
 //           timestamp, t, stamp, sec, seconds [s]
 //   east    x_m, x, east_m, east, e, px, position_x, pos_x [m];  north  y_m, y, north_m, north, n, ... [m]
