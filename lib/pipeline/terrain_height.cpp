@@ -31,9 +31,13 @@ const Grid<float>& ground_band(const io::Raster& raster, const std::filesystem::
   return *only;
 }
 
-// A transverse Mercator about the survey's origin, as `cairn run` writes it: its coordinates are the local ones.
-bool is_local(const std::string& crs) {
-  return crs.find("Transverse Mercator") != std::string::npos && crs.find("UTM") == std::string::npos;
+// Whether the raster's coordinates are the local ones, as `cairn run` writes it. Measured, because many national grids
+// are transverse Mercators too.
+bool is_local(const geodesy::CrsConverter& converter) {
+  constexpr double kSame = 1e-3;  // m, half a kilometre from the origin
+  for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(400.0, -300.0, 0.0)})
+    if (!((converter.from_local(p) - p).head<2>().norm() < kSame)) return false;
+  return true;
 }
 
 Grid<float> to_up(Grid<float> heights, const geodesy::LocalFrame& frame) {
@@ -69,8 +73,7 @@ float sample(const Grid<float>& grid, const Vec2& p) {
 }
 
 // A raster of any other CRS: ups at its own cells, then resampled into cells of about the same size.
-Grid<float> from_crs(Grid<float> heights, const std::string& crs, const geodesy::LocalFrame& frame) {
-  const geodesy::CrsConverter converter(crs, frame);
+Grid<float> from_crs(Grid<float> heights, const std::string& crs, const geodesy::CrsConverter& converter) {
   const geometry::GridGeometry g = heights.geometry;
   Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity()), high = -low;
   std::vector<Vec3> row(g.columns);
@@ -122,8 +125,9 @@ TerrainHeight::TerrainHeight(const std::filesystem::path& path, const geodesy::L
         .file(path.string())
         .hint("Write it into the file, for example with gdal_edit.py -a_srs");
   try {
-    up_ = is_local(raster.crs) ? to_up(ground_band(raster, path), frame)
-                               : from_crs(ground_band(raster, path), raster.crs, frame);
+    const geodesy::CrsConverter converter(raster.crs, frame);
+    up_ = is_local(converter) ? to_up(ground_band(raster, path), frame)
+                              : from_crs(ground_band(raster, path), raster.crs, converter);
   } catch (base::Error& error) {
     error.default_file(path.string());
     throw;
