@@ -19,14 +19,6 @@ using geometry::Vec3;
 constexpr double kFirmShare = 0.5;  // of the least height of an object
 constexpr std::uint32_t kNoGroup = std::numeric_limits<std::uint32_t>::max();
 
-// The cell of p, clamped to the grid (points on its very edge).
-std::size_t cell_of(const GridGeometry& g, const Vec3& p) {
-  const auto index = [](double at, std::size_t count) {
-    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
-  };
-  return index((g.north - p.y()) / g.cell, g.rows) * g.columns + index((p.x() - g.west) / g.cell, g.columns);
-}
-
 // Number of the connected group (8 neighbours) of each cell of the mask, by first cell row by row. Returns how many.
 std::uint32_t number_groups(const Grid<std::uint8_t>& mask, Grid<std::uint32_t>& group) {
   const GridGeometry& g = mask.geometry;
@@ -75,7 +67,7 @@ std::vector<Candidate> find_candidates(std::span<const Vec3> points, const Groun
   Grid<std::uint8_t> above(g, 0), touched(g, 0);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (ground.classes[i] != PointClass::above) continue;
-    const std::size_t k = cell_of(g, points[i]);
+    const std::size_t k = clamped_cell(g, points[i].head<2>());
     touched.values[k] = 1;
     if (ground.surface.height_above(points[i]) >= firm) above.values[k] = 1;
   }
@@ -97,7 +89,7 @@ std::vector<Candidate> find_candidates(std::span<const Vec3> points, const Groun
   std::vector<Candidate> found(count);
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (ground.classes[i] != PointClass::above) continue;
-    const std::uint32_t number = group.values[cell_of(g, points[i])];
+    const std::uint32_t number = group.values[clamped_cell(g, points[i].head<2>())];
     if (number == kNoGroup) continue;
     Candidate& object = found[number];
     object.points.push_back(static_cast<std::uint32_t>(i));

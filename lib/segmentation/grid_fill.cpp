@@ -176,4 +176,11 @@ Grid<float> opened(const Grid<float>& heights, std::size_t radius) {
   return result;
 }
 
+std::size_t clamped_cell(const geometry::GridGeometry& g, const geometry::Vec2& p) {
+  const auto index = [](double at, std::size_t count) {
+    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
+  };
+  return index((g.north - p.y()) / g.cell, g.rows) * g.columns + index((p.x() - g.west) / g.cell, g.columns);
+}
+
 }  // namespace cairn::segmentation

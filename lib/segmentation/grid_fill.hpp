@@ -20,4 +20,7 @@ void fill_all(geometry::Grid<float>& grid, int rounds = 16);
 // window ends at the grid's border. Van Herk 1992, Gil & Werman 1993: cost linear, whatever the radius.
 [[nodiscard]] geometry::Grid<float> opened(const geometry::Grid<float>& heights, std::size_t radius);
 
+// Index in `values` of the cell that holds p, of the nearest one where it lies beside the grid.
+[[nodiscard]] std::size_t clamped_cell(const geometry::GridGeometry& g, const geometry::Vec2& p);
+
 }  // namespace cairn::segmentation

@@ -9,6 +9,7 @@
 #include "geometry/enclosing_circle.hpp"
 #include "geometry/grid.hpp"
 #include "geometry/primitives.hpp"
+#include "segmentation/grid_fill.hpp"
 #include "segmentation/patch_graph.hpp"
 
 namespace cairn::segmentation {
@@ -25,13 +26,6 @@ constexpr std::size_t kMostCells = 40'000;  // of the heights: coarser beyond
 constexpr int kFillRounds = 2;
 constexpr float kFillNeighbours = 4.0F;
 constexpr float kEmpty = -std::numeric_limits<float>::infinity();
-
-std::size_t cell_of(const GridGeometry& g, const Vec3& p) {
-  const auto index = [](double at, std::size_t count) {
-    return static_cast<std::size_t>(std::clamp(at, 0.0, static_cast<double>(count - 1)));
-  };
-  return index((g.north - p.y()) / g.cell, g.rows) * g.columns + index((p.x() - g.west) / g.cell, g.columns);
-}
 
 template <class Visit>
 void for_neighbours(const GridGeometry& g, std::size_t k, Visit visit) {
@@ -55,7 +49,7 @@ Grid<float> top_heights(const Candidate& candidate, std::span<const Vec3> points
   g.rows = static_cast<std::size_t>((high.y() - low.y()) / cell) + 1;
   Grid<float> raw(g, kEmpty);
   for (const auto i : candidate.points) {
-    float& top = raw.values[cell_of(g, points[i])];
+    float& top = raw.values[clamped_cell(g, points[i].head<2>())];
     top = std::max(top, static_cast<float>(ground.surface.height_above(points[i])));
   }
   for (int round = 0; round < kFillRounds; ++round) {  // gaps of a cell or two are no valleys
@@ -196,7 +190,7 @@ std::vector<Candidate> part_touching(const Candidate& candidate, std::span<const
       part.area += g.cell * g.cell;
     }
   for (const auto i : candidate.points) {
-    Candidate& part = parts[part_of[cell_of(g, points[i])]];
+    Candidate& part = parts[part_of[clamped_cell(g, points[i].head<2>())]];
     part.points.push_back(i);
     part.height = std::max(part.height, ground.surface.height_above(points[i]));
   }
